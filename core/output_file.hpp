@@ -1,0 +1,33 @@
+#pragma once
+#include <filesystem>
+#include <string_view>
+
+namespace tomodem {
+
+/// A file that appears complete or not at all: written beside its final place, renamed by commit().
+///
+/// The destructor removes what was not committed, so the previous file of that name stays untouched on any error.
+class OutputFile {
+ public:
+    /// @throws InvalidInput if the folder does not exist or cannot be written to
+    explicit OutputFile(std::filesystem::path final_path);
+    ~OutputFile();
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+
+    /// Where to write: ".NAME.part-PID" in the folder of the final path, the extension kept.
+    const std::filesystem::path& path() const { return part_; }
+    /// Flushes to disk what was written so far. @throws InvalidInput if that fails (disk full)
+    void flush();
+    /// Flushes to disk and renames. @throws InvalidInput if either fails (disk full)
+    void commit();
+
+ private:
+    std::filesystem::path final_, part_;
+    bool committed_ = false;
+};
+
+/// Writes a small text file in one go (atomically). @throws InvalidInput if it cannot be written
+void write_text(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace tomodem

@@ -1,0 +1,37 @@
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tomodem {
+
+using Vec3 = Eigen::Vector3d;
+
+/// Axis-parallel box in world coordinates [mm].
+struct Box {
+    Vec3 origin = Vec3::Zero();
+    Vec3 edges = Vec3::Zero();
+    std::array<bool, 3> periodic{false, false, false};
+    double volume() const { return edges.prod(); }
+};
+
+/// Equal spheres with labels. All lengths in mm, world coordinates (those of the tomography where there was one).
+///
+/// Arrays have one entry a particle, sorted by id; `object` is empty where objects are not told apart.
+struct Packing {
+    Box box;                   ///< the region that was filled; edges[0] * edges[1] is the initial section
+    double seed_radius = 0.0;  ///< r_s [mm]
+    std::vector<Vec3> position;
+    std::vector<std::int32_t> species;  ///< label of the phase in the image
+    std::vector<std::int64_t> id;       ///< unique, from 1
+    std::vector<std::int32_t> object;   ///< 0: belongs to no object of its own
+    bool relaxed = false;               ///< the free sample is at rest under its law
+
+    std::size_t size() const { return position.size(); }
+    /// D = N pi d^3 / (6 V), d = 2 r_s (method: control numbers).
+    double density() const;
+};
+
+}  // namespace tomodem

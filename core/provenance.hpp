@@ -1,0 +1,21 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+
+namespace tomodem {
+
+/// What is needed to repeat a file; stored under /parameters/tomodem of every HDF5 file.
+struct Provenance {
+    std::string tool;
+    std::string version;
+    std::string command_line;
+    std::string scene;                          ///< text of the scene file, empty where there was none
+    std::map<std::string, std::string> inputs;  ///< file name -> SHA-256 of its content
+};
+
+/// SHA-256 of a file, or of the sorted names and contents of the regular files of a folder, in hexadecimal.
+/// @throws InvalidInput if it cannot be read
+std::string content_digest(const std::filesystem::path& path);
+
+}  // namespace tomodem
