@@ -1,0 +1,40 @@
+# tomodem_library(NAME SOURCES ... LIBS ...): static library tomodem_NAME, headers found from the repository's root.
+function(tomodem_library name)
+    cmake_parse_arguments(arg "" "" "SOURCES;LIBS;PRIVATE_LIBS" ${ARGN})
+    add_library(tomodem_${name} STATIC ${arg_SOURCES})
+    target_include_directories(tomodem_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+    target_link_libraries(tomodem_${name} PUBLIC ${arg_LIBS} PRIVATE ${arg_PRIVATE_LIBS} tomodem_warnings)
+endfunction()
+
+# tomodem_tool(NAME SOURCE LIBS ...): executable build/bin/NAME, installed.
+function(tomodem_tool name source)
+    cmake_parse_arguments(arg "" "" "LIBS" ${ARGN})
+    add_executable(${name} ${source})
+    target_link_libraries(${name} PRIVATE ${arg_LIBS} tomodem_core tomodem_warnings)
+    install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endfunction()
+
+# tomodem_unit_test(NAME SOURCES ... LIBS ...): GoogleTest executable; each test is a ctest of label "unit".
+function(tomodem_unit_test name)
+    cmake_parse_arguments(arg "" "" "SOURCES;LIBS" ${ARGN})
+    add_executable(test_${name} ${arg_SOURCES})
+    target_link_libraries(test_${name} PRIVATE ${arg_LIBS} tomodem_core tomodem_warnings GTest::gmock_main)
+    set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+    include(GoogleTest)
+    gtest_discover_tests(test_${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS unit)
+endfunction()
+
+# tomodem_script_test(FILE LABEL ...): a bats file, run through the built executables.
+# TOMODEM_BIN is the folder of the executables, TOMODEM_SOURCE the repository.
+function(tomodem_script_test file label)
+    cmake_path(GET file STEM stem)
+    cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
+    set(test_name ${label}/${folder}/${stem})
+    add_test(NAME ${test_name} COMMAND bats ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+    set_tests_properties(${test_name} PROPERTIES LABELS ${label} TIMEOUT 3600
+        ENVIRONMENT "TOMODEM_BIN=${CMAKE_BINARY_DIR}/bin;TOMODEM_LIB=${CMAKE_BINARY_DIR}/lib;TOMODEM_SOURCE=${PROJECT_SOURCE_DIR};OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1")
+endfunction()
+
+add_library(tomodem_warnings INTERFACE)
+target_compile_options(tomodem_warnings INTERFACE -Wall -Wextra)
+target_link_options(tomodem_warnings INTERFACE -Wl,--as-needed)

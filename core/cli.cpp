@@ -1,0 +1,605 @@
+#include "core/cli.hpp"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/output_file.hpp"
+#include "core/units.hpp"
+#include "core/version.hpp"
+
+namespace tomodem::cli {
+namespace {
+
+struct RunningTool {
+    std::string name;
+    bool quiet = false;
+    bool silent = false;
+    std::int64_t threads = 0;
+    std::filesystem::path json;
+    nlohmann::ordered_json results;
+    nlohmann::ordered_json units;
+    std::set<std::string> given;
+    Provenance provenance;
+};
+
+RunningTool& running() {
+    static RunningTool tool;
+    return tool;
+}
+
+std::string shell_quoted(const std::string& word) {
+    static const std::string plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
+    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+    std::string quoted = "'";
+    for (char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    return quoted + "'";
+}
+
+std::string unit_text(Unit unit) {
+    switch (unit) {
+        case Unit::none:
+            return "";
+        case Unit::length:
+            return "length with its unit, such as 2.4um";
+        case Unit::strain:
+            return "true strain";
+        case Unit::rate:
+            return "1/s";
+        case Unit::fraction:
+            return "fraction";
+        case Unit::percent:
+            return "%";
+        case Unit::voxels:
+            return "voxels";
+        case Unit::steps:
+            return "steps";
+        case Unit::particles:
+            return "particles";
+    }
+    return "";
+}
+
+std::string placeholder(const Argument& argument) {
+    using Kind = Argument::Kind;
+    switch (argument.kind) {
+        case Kind::number:
+            return argument.unit == Unit::length ? "LENGTH" : "NUMBER";
+        case Kind::integer:
+            return "INTEGER";
+        case Kind::text:
+            return "TEXT";
+        case Kind::choice:
+            return fmt::format("{}", fmt::join(argument.choices, "|"));
+        case Kind::flag:
+            return "";
+        default:
+            return "FILE";
+    }
+}
+
+std::string full_help(const Argument& argument) {
+    std::string text = argument.help;
+    std::vector<std::string> remarks;
+    if (!unit_text(argument.unit).empty()) remarks.push_back(unit_text(argument.unit));
+    if (!argument.range.text().empty()) remarks.push_back(argument.range.text());
+    if (argument.required && argument.name.starts_with("--")) remarks.push_back("required");
+    if (!argument.default_text.empty()) remarks.push_back("default " + argument.default_text);
+    if (!remarks.empty()) text += fmt::format(" [{}]", fmt::join(remarks, "; "));
+    return text;
+}
+
+bool positional(const Argument& argument) {
+    return !argument.name.starts_with("--");
+}
+
+std::string help_text(const Usage& usage) {
+    std::ostringstream out;
+    out << usage.tool() << ": " << usage.purpose() << "\n\nusage: " << usage.tool();
+    for (const auto& argument : usage.arguments())
+        if (positional(argument))
+            out << ' ' << argument.name << (argument.kind == Argument::Kind::inputs ? "..." : "");
+        else if (argument.required)
+            out << ' ' << argument.name << ' ' << placeholder(argument);
+    out << " [options]\n\n";
+    std::vector<std::pair<std::string, std::string>> rows;
+    for (const auto& argument : usage.arguments()) {
+        const std::string value = positional(argument) ? "" : placeholder(argument);
+        rows.emplace_back("  " + argument.name + (value.empty() ? "" : " " + value), full_help(argument));
+    }
+    rows.emplace_back("  --threads INTEGER", "threads to use [default: every core that this process may use]");
+    rows.emplace_back("  --json FILE", "also write the results, units, time and memory as JSON");
+    rows.emplace_back("  --quiet", "print errors only");
+    rows.emplace_back("  --help", "print this text");
+    rows.emplace_back("  --version", "print the version");
+    std::size_t width = 0;
+    for (const auto& row : rows) width = std::max(width, std::min<std::size_t>(row.first.size(), 34));
+    for (const auto& [name, text] : rows) {
+        out << name;
+        if (name.size() > width)
+            out << '\n' << std::string(width, ' ');
+        else
+            out << std::string(width - name.size(), ' ');
+        out << "  " << text << '\n';
+    }
+    for (const auto& group : usage.exclusives())
+        out << "\n" << fmt::format("At most one of {} may be given.\n", fmt::join(group, ", "));
+    if (!usage.examples().empty()) {
+        out << "\nexamples:\n";
+        for (const auto& example : usage.examples()) out << "  " << example << '\n';
+    }
+    return out.str();
+}
+
+std::string reference_page(const Usage& usage) {
+    std::ostringstream out;
+    out << "## " << usage.tool() << "\n\n" << usage.purpose() << "\n\n| argument | what it is |\n|---|---|\n";
+    for (const auto& argument : usage.arguments()) {
+        std::string name = argument.name;
+        if (!positional(argument) && argument.kind != Argument::Kind::flag) name += " " + placeholder(argument);
+        std::string cell = fmt::format("| `{}` | {} |\n", name, full_help(argument));
+        for (std::size_t bar = cell.find('|', 2); bar != std::string::npos && bar < name.size() + 3;
+             bar = cell.find('|', bar + 2))
+            cell.insert(bar, "\\");
+        out << cell;
+    }
+    for (const auto& example : usage.examples()) out << "\n    " << example << '\n';
+    return out.str();
+}
+
+double parse_number(const Argument& argument, const std::string& text) {
+    double value = 0;
+    if (argument.unit == Unit::length) {
+        try {
+            value = units::length(text);
+        } catch (const InvalidInput& error) {
+            throw WrongUsage(fmt::format("{}: {}", argument.name, error.what()));
+        }
+    } else {
+        std::string digits = text;
+        if (argument.unit == Unit::percent && !digits.empty() && digits.back() == '%') digits.pop_back();
+        char* end = nullptr;
+        value = std::strtod(digits.c_str(), &end);
+        if (digits.empty() || *end != '\0' || !std::isfinite(value))
+            throw WrongUsage(fmt::format("{} '{}' is not a number", argument.name, text));
+    }
+    if (!argument.range.contains(value))
+        throw WrongUsage(fmt::format("{} {} is out of range: expected {}", argument.name, text, argument.range.text()));
+    return value;
+}
+
+std::int64_t parse_integer(const Argument& argument, const std::string& text) {
+    // "1e6" is how people write a particle count.
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || value != std::floor(value) || std::abs(value) > 9e15)
+        throw WrongUsage(fmt::format("{} '{}' is not a whole number", argument.name, text));
+    if (!argument.range.contains(value))
+        throw WrongUsage(fmt::format("{} {} is out of range: expected {}", argument.name, text, argument.range.text()));
+    return static_cast<std::int64_t>(value);
+}
+
+void check_input(const Argument& argument, const std::filesystem::path& path) {
+    if (!std::filesystem::exists(path))
+        throw InvalidInput(
+            fmt::format("cannot read {} '{}': there is no such file or folder", argument.name, path.string()));
+}
+
+void check_output(const Argument& argument, const std::filesystem::path& path) {
+    if (std::filesystem::is_directory(path))
+        throw InvalidInput(
+            fmt::format("cannot write {} '{}': it is a folder; give the name of a file", argument.name, path.string()));
+    std::filesystem::path folder = path.parent_path();
+    if (folder.empty()) folder = ".";
+    if (!std::filesystem::is_directory(folder))
+        throw InvalidInput(fmt::format("cannot write {} '{}': folder '{}' does not exist; create it first",
+                                       argument.name, path.string(), folder.string()));
+    if (access(folder.c_str(), W_OK) != 0)
+        throw InvalidInput(fmt::format("cannot write {} '{}': no permission to write in folder '{}'", argument.name,
+                                       path.string(), folder.string()));
+}
+
+void store(const Argument& argument, const std::vector<std::string>& words) {
+    using Kind = Argument::Kind;
+    const std::string& word = words.front();
+    switch (argument.kind) {
+        case Kind::input: {
+            const std::filesystem::path path = word;
+            check_input(argument, path);
+            *static_cast<std::filesystem::path*>(argument.target) = path;
+            break;
+        }
+        case Kind::inputs: {
+            auto& paths = *static_cast<std::vector<std::filesystem::path>*>(argument.target);
+            for (const auto& name : words) {
+                check_input(argument, name);
+                paths.emplace_back(name);
+            }
+            break;
+        }
+        case Kind::output: {
+            const std::filesystem::path path = word;
+            check_output(argument, path);
+            *static_cast<std::filesystem::path*>(argument.target) = path;
+            break;
+        }
+        case Kind::number:
+            *static_cast<double*>(argument.target) = parse_number(argument, word);
+            break;
+        case Kind::integer:
+            *static_cast<std::int64_t*>(argument.target) = parse_integer(argument, word);
+            break;
+        case Kind::choice:
+            if (std::find(argument.choices.begin(), argument.choices.end(), word) == argument.choices.end())
+                throw WrongUsage(
+                    fmt::format("{} '{}' is not one of {}", argument.name, word, fmt::join(argument.choices, ", ")));
+            [[fallthrough]];
+        case Kind::text:
+            *static_cast<std::string*>(argument.target) = word;
+            break;
+        case Kind::flag:
+            *static_cast<bool*>(argument.target) = true;
+            break;
+    }
+}
+
+/// Splits the command line with CLI11 and stores every value; false when --help or --version was answered.
+bool parse(int argc, const char* const* argv, const Usage& usage) {
+    RunningTool& tool = running();
+    CLI::App app{usage.purpose(), usage.tool()};
+    app.set_help_flag();
+    bool help = false, version = false, markdown = false;
+    std::string threads_text, json_text;
+    app.add_flag("--help,-h", help);
+    app.add_flag("--version", version);
+    app.add_flag("--help-markdown", markdown);
+    app.add_flag("--quiet", tool.quiet);
+    app.add_option("--threads", threads_text);
+    app.add_option("--json", json_text);
+
+    const auto& arguments = usage.arguments();
+    std::vector<std::vector<std::string>> words(arguments.size());
+    std::vector<bool> flags(arguments.size());
+    std::vector<CLI::Option*> options(arguments.size());
+    std::vector<std::string> positionals;
+    for (std::size_t k = 0; k < arguments.size(); ++k) {
+        if (positional(arguments[k])) continue;
+        if (arguments[k].kind == Argument::Kind::flag)
+            options[k] = app.add_flag(arguments[k].name);
+        else
+            options[k] = app.add_option(arguments[k].name, words[k])->expected(1);
+    }
+    app.add_option("files", positionals);
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        throw WrongUsage(fmt::format("{}; see {} --help", error.what(), usage.tool()));
+    }
+    if (help || version || markdown) {
+        const std::string text = help       ? help_text(usage)
+                                 : markdown ? reference_page(usage)
+                                            : fmt::format("{} (tomodem) {}\n", usage.tool(), TOMODEM_VERSION);
+        std::fputs(text.c_str(), stdout);
+        return false;
+    }
+
+    std::size_t before_list = 0, after_list = 0;
+    bool has_list = false;
+    for (const auto& argument : arguments) {
+        if (!positional(argument)) continue;
+        if (argument.kind == Argument::Kind::inputs)
+            has_list = true;
+        else
+            ++(has_list ? after_list : before_list);
+    }
+    const std::size_t least = before_list + after_list + (has_list ? 1 : 0);
+    if (positionals.size() < least || (!has_list && positionals.size() > least)) {
+        std::vector<std::string> names;
+        for (const auto& argument : arguments)
+            if (positional(argument)) names.push_back(argument.name);
+        throw WrongUsage(
+            fmt::format("expected {} ({}) but got {}; see {} --help",
+                        least == 1 ? "one file" : fmt::format("{}{} files", has_list ? "at least " : "", least),
+                        fmt::join(names, ", "), positionals.size(), usage.tool()));
+    }
+    std::size_t next = 0;
+    for (std::size_t k = 0; k < arguments.size(); ++k) {
+        if (!positional(arguments[k])) {
+            flags[k] = options[k]->count() > 0;
+            if (flags[k])
+                tool.given.insert(arguments[k].name);
+            else if (arguments[k].required)
+                throw WrongUsage(fmt::format("{} is required ({}); see {} --help", arguments[k].name, arguments[k].help,
+                                             usage.tool()));
+            if (options[k]->count() > 1 && arguments[k].kind != Argument::Kind::flag)
+                throw WrongUsage(fmt::format("{} is given {} times", arguments[k].name, options[k]->count()));
+            if (flags[k] && arguments[k].kind == Argument::Kind::flag) words[k] = {"true"};
+            continue;
+        }
+        std::size_t count = 1;
+        if (arguments[k].kind == Argument::Kind::inputs) count = positionals.size() - before_list - after_list;
+        words[k].assign(positionals.begin() + next, positionals.begin() + next + count);
+        next += count;
+    }
+    for (const auto& group : usage.exclusives()) {
+        std::vector<std::string> found;
+        for (const auto& flag : group)
+            if (tool.given.contains(flag)) found.push_back(flag);
+        if (found.size() > 1)
+            throw WrongUsage(fmt::format("{} exclude each other; give one of them", fmt::join(found, " and ")));
+    }
+    // Ranges first, then files: a wrong option is reported even where the file is missing too.
+    const auto is_file = [](const Argument& a) {
+        return a.kind == Argument::Kind::input || a.kind == Argument::Kind::inputs || a.kind == Argument::Kind::output;
+    };
+    for (bool files : {false, true})
+        for (std::size_t k = 0; k < arguments.size(); ++k)
+            if (!words[k].empty() && is_file(arguments[k]) == files) store(arguments[k], words[k]);
+
+    if (!threads_text.empty())
+        tool.threads = parse_integer(
+            {Argument::Kind::integer, "--threads", "", false, Unit::none, {1, 4096}, {}, "", nullptr}, threads_text);
+    if (!json_text.empty()) {
+        tool.json = json_text;
+        check_output({Argument::Kind::output, "--json", "", false, Unit::none, {}, {}, "", nullptr}, tool.json);
+    }
+    for (std::size_t k = 0; k < arguments.size(); ++k)
+        if (arguments[k].kind == Argument::Kind::input || arguments[k].kind == Argument::Kind::inputs)
+            for (const auto& word : words[k]) tool.provenance.inputs[word] = "";
+    return true;
+}
+
+double cpu_seconds() {
+    rusage own{};
+    getrusage(RUSAGE_SELF, &own);
+    const auto seconds = [](const timeval& t) { return t.tv_sec + 1e-6 * t.tv_usec; };
+    return seconds(own.ru_utime) + seconds(own.ru_stime);
+}
+
+std::int64_t peak_bytes() {
+    rusage own{};
+    getrusage(RUSAGE_SELF, &own);
+    return own.ru_maxrss * 1024;
+}
+
+template <class Value>
+void add_result(const std::string& key, const Value& value, const std::string& unit) {
+    RunningTool& tool = running();
+    tool.results[key] = value;
+    if (!unit.empty()) tool.units[key] = unit;
+    if (tool.quiet || tool.silent) return;
+    std::string shown;
+    if constexpr (std::is_same_v<Value, double>)
+        shown = fmt::format("{:.6g}", value);
+    else
+        shown = fmt::format("{}", value);
+    std::printf("%s: %s%s%s\n", key.c_str(), shown.c_str(), unit.empty() ? "" : " ", unit.c_str());
+}
+
+}  // namespace
+
+std::string Range::text() const {
+    const bool lower = std::isfinite(low), upper = std::isfinite(high);
+    const std::string from = fmt::format("{} {:g}", low_included ? "at least" : "more than", low);
+    const std::string to = fmt::format("{} {:g}", high_included ? "at most" : "less than", high);
+    if (lower && upper) return from + " and " + to;
+    return lower ? from : upper ? to : "";
+}
+
+bool Range::contains(double value) const {
+    return (low_included ? value >= low : value > low) && (high_included ? value <= high : value < high);
+}
+
+Usage::Usage(std::string tool, std::string purpose) : tool_(std::move(tool)), purpose_(std::move(purpose)) {}
+
+Argument& Usage::add(Argument argument) {
+    arguments_.push_back(std::move(argument));
+    return arguments_.back();
+}
+
+Usage& Usage::input(const std::string& name, std::filesystem::path& target, const std::string& help) {
+    add({Argument::Kind::input, name, help, true, Unit::none, {}, {}, "", &target});
+    return *this;
+}
+
+Usage& Usage::inputs(const std::string& name, std::vector<std::filesystem::path>& target, const std::string& help) {
+    add({Argument::Kind::inputs, name, help, true, Unit::none, {}, {}, "", &target});
+    return *this;
+}
+
+Usage& Usage::output(const std::string& name, std::filesystem::path& target, const std::string& help) {
+    add({Argument::Kind::output, name, help, true, Unit::none, {}, {}, "", &target});
+    return *this;
+}
+
+Usage& Usage::required(const std::string& flag, double& target, Unit unit, Range range, const std::string& help) {
+    add({Argument::Kind::number, flag, help, true, unit, range, {}, "", &target});
+    return *this;
+}
+
+Usage& Usage::option(const std::string& flag, double& target, Unit unit, Range range, const std::string& help) {
+    const std::string preset = fmt::format("{:g}{}", target, unit == Unit::length ? "mm" : "");
+    add({Argument::Kind::number, flag, help, false, unit, range, {}, preset, &target});
+    return *this;
+}
+
+Usage& Usage::required(const std::string& flag, std::int64_t& target, Unit unit, Range range, const std::string& help) {
+    add({Argument::Kind::integer, flag, help, true, unit, range, {}, "", &target});
+    return *this;
+}
+
+Usage& Usage::option(const std::string& flag, std::int64_t& target, Unit unit, Range range, const std::string& help) {
+    add({Argument::Kind::integer, flag, help, false, unit, range, {}, std::to_string(target), &target});
+    return *this;
+}
+
+Usage& Usage::required(const std::string& flag, std::string& target, const std::string& help) {
+    add({Argument::Kind::text, flag, help, true, Unit::none, {}, {}, "", &target});
+    return *this;
+}
+
+Usage& Usage::option(const std::string& flag, std::string& target, const std::string& help) {
+    add({Argument::Kind::text, flag, help, false, Unit::none, {}, {}, target, &target});
+    return *this;
+}
+
+Usage& Usage::input_option(const std::string& flag, std::filesystem::path& target, const std::string& help) {
+    add({Argument::Kind::input, flag, help, false, Unit::none, {}, {}, "", &target});
+    return *this;
+}
+
+Usage& Usage::output_option(const std::string& flag, std::filesystem::path& target, const std::string& help) {
+    add({Argument::Kind::output, flag, help, false, Unit::none, {}, {}, "", &target});
+    return *this;
+}
+
+Usage& Usage::choice(const std::string& flag, std::string& target, const std::vector<std::string>& choices,
+                     const std::string& help) {
+    add({Argument::Kind::choice, flag, help, false, Unit::none, {}, choices, target, &target});
+    return *this;
+}
+
+Usage& Usage::flag(const std::string& flag, bool& target, const std::string& help) {
+    add({Argument::Kind::flag, flag, help, false, Unit::none, {}, {}, "", &target});
+    return *this;
+}
+
+Usage& Usage::exclusive(const std::vector<std::string>& flags) {
+    exclusives_.push_back(flags);
+    return *this;
+}
+
+Usage& Usage::example(const std::string& command) {
+    examples_.push_back(command);
+    return *this;
+}
+
+int run_tool(int argc, const char* const* argv, const Usage& usage, const std::function<void()>& run) {
+    RunningTool& tool = running();
+    tool.name = usage.tool();
+    tool.provenance.tool = usage.tool();
+    tool.provenance.version = TOMODEM_VERSION;
+    std::vector<std::string> words;
+    for (int k = 0; k < argc; ++k)
+        words.push_back(shell_quoted(k == 0 ? std::filesystem::path(argv[0]).filename().string() : argv[k]));
+    tool.provenance.command_line = fmt::format("{}", fmt::join(words, " "));
+
+    const auto fail = [&](int status, const std::string& message) {
+        if (!tool.silent) std::fprintf(stderr, "%s: %s\n", tool.name.c_str(), message.c_str());
+        return status;
+    };
+    try {
+        const auto start = std::chrono::steady_clock::now();
+        if (!parse(argc, argv, usage)) return 0;
+        run();
+        if (!tool.json.empty() && !tool.silent) {
+            nlohmann::ordered_json summary;
+            summary["tool"] = tool.name;
+            summary["version"] = tool.provenance.version;
+            summary["command_line"] = tool.provenance.command_line;
+            summary["wall_seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+            summary["cpu_seconds"] = cpu_seconds();
+            summary["peak_bytes"] = peak_bytes();
+            for (const auto& [key, value] : tool.results.items()) summary[key] = value;
+            summary["units"] = tool.units.empty() ? nlohmann::ordered_json::object() : tool.units;
+            write_text(tool.json, summary.dump(2) + "\n");
+        }
+        if (std::fflush(stdout) != 0) return fail(1, "cannot write to standard output");
+        return 0;
+    } catch (const WrongUsage& error) {
+        return fail(2, error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(1, "out of memory; use fewer particles or a machine with more");
+    } catch (const std::exception& error) {
+        return fail(1, error.what());
+    }
+}
+
+bool given(const std::string& flag) {
+    return running().given.contains(flag);
+}
+
+int threads() {
+    if (running().threads > 0) return static_cast<int>(running().threads);
+    cpu_set_t allowed;
+    CPU_ZERO(&allowed);
+    if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) return std::max(1, CPU_COUNT(&allowed));
+    return 1;
+}
+
+void report(const std::string& key, double value, const std::string& unit) {
+    add_result(key, value, unit);
+}
+void report(const std::string& key, std::int64_t value, const std::string& unit) {
+    add_result(key, value, unit);
+}
+void report(const std::string& key, const std::string& value) {
+    add_result(key, value, "");
+}
+
+void report_json(const std::string& key, const std::string& json) {
+    running().results[key] = nlohmann::ordered_json::parse(json);
+}
+
+void note(const std::string& line) {
+    if (!running().quiet && !running().silent) std::fprintf(stderr, "%s: %s\n", running().name.c_str(), line.c_str());
+}
+
+void warn(const std::string& line) {
+    if (!running().silent) std::fprintf(stderr, "%s: warning: %s\n", running().name.c_str(), line.c_str());
+}
+
+Provenance provenance() {
+    Provenance result = running().provenance;
+    for (auto& [name, digest] : result.inputs) digest = content_digest(name);
+    return result;
+}
+
+void silence() {
+    running().silent = true;
+}
+
+struct Progress::State {
+    std::string label;
+    double total;
+    bool shown;
+    std::chrono::steady_clock::time_point start, last;
+};
+
+Progress::Progress(std::string label, double total) {
+    const auto now = std::chrono::steady_clock::now();
+    const bool shown = isatty(STDERR_FILENO) != 0 && !running().quiet && !running().silent;
+    state_ = std::make_unique<State>(State{std::move(label), total, shown, now, now - std::chrono::hours(1)});
+}
+
+Progress::~Progress() {
+    if (state_->shown) std::fputs("\r\033[K", stderr);
+}
+
+void Progress::update(double done) {
+    using namespace std::chrono;
+    const auto now = steady_clock::now();
+    if (!state_->shown || now - state_->last < milliseconds(200)) return;
+    state_->last = now;
+    const double share = state_->total > 0 ? std::clamp(done / state_->total, 0.0, 1.0) : 0;
+    const double elapsed = duration<double>(now - state_->start).count();
+    constexpr int width = 30;
+    const int filled = static_cast<int>(share * width);
+    std::string left = share > 0.01 ? fmt::format("{:.0f} s left", elapsed * (1 - share) / share) : "";
+    std::fprintf(stderr, "\r\033[K%s [%s%s] %3.0f %% %s", state_->label.c_str(), std::string(filled, '#').c_str(),
+                 std::string(width - filled, '.').c_str(), 100 * share, left.c_str());
+    std::fflush(stderr);
+}
+
+}  // namespace tomodem::cli

@@ -1,0 +1,85 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/packing.hpp"
+#include "core/provenance.hpp"
+
+/// Packings and runs as H5MD 1.1 files (https://h5md.nongnu.org): docs/file-formats.md.
+namespace tomodem {
+
+/// Positions at one moment, in the order of the packing's ids.
+struct Frame {
+    std::int64_t step = 0;
+    double time = 0.0;  ///< s
+    std::vector<Vec3> position;
+};
+
+/// A macroscopic curve; the three arrays have the same length.
+struct Observable {
+    std::string unit;
+    std::vector<std::int64_t> step;
+    std::vector<double> time;  ///< s
+    std::vector<double> value;
+};
+
+/// Reads a sample, a brick, or one frame of a run.
+/// @param frame  counted from 0; -1 is the last
+/// @throws InvalidInput if the file is not there, is cut, is not H5MD, or its arrays do not fit together
+Packing read_packing(const std::filesystem::path& path, std::int64_t frame = 0);
+
+/// Writes a file of one frame (atomically), and NAME.xdmf beside it for ParaView.
+void write_packing(const Packing& packing, const std::filesystem::path& path, const Provenance& provenance);
+
+/// Frames and curves of a run, read on demand.
+class RunReader {
+ public:
+    /// @throws InvalidInput as read_packing
+    explicit RunReader(const std::filesystem::path& path);
+    ~RunReader();
+    RunReader(const RunReader&) = delete;
+    RunReader& operator=(const RunReader&) = delete;
+
+    /// Labels, ids, objects, box; positions of the first frame.
+    const Packing& packing() const;
+    std::size_t frame_count() const;
+    /// Step and time of all frames without their positions.
+    std::int64_t frame_step(std::size_t index) const;
+    double frame_time(std::size_t index) const;
+    Frame frame(std::size_t index) const;
+    /// All curves under /observables; empty for a sample.
+    const std::map<std::string, Observable>& observables() const;
+    /// @throws InvalidInput naming the file and the curve if it is not there
+    const Observable& observable(const std::string& name) const;
+    const Provenance& provenance() const;
+
+ private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// Value of `curve` at `time`, linear between its points, constant beyond its ends.
+double value_at(const Observable& curve, double time);
+
+/// Writes a run frame by frame; the file (and its .xdmf) appears at commit().
+class RunWriter {
+ public:
+    RunWriter(const Packing& packing, const std::filesystem::path& path, const Provenance& provenance);
+    ~RunWriter();
+    RunWriter(const RunWriter&) = delete;
+    RunWriter& operator=(const RunWriter&) = delete;
+
+    void add_frame(const Frame& frame);
+    /// Appends one point to the named curve; its unit is fixed by the first call.
+    void add_observable(const std::string& name, const std::string& unit, std::int64_t step, double time, double value);
+    void commit();
+
+ private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace tomodem

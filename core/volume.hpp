@@ -1,0 +1,120 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/packing.hpp"
+
+namespace tomodem {
+
+/// Voxel counts along x, y, z; x is the column of a slice (fastest), y its row (top row first), z the slice number.
+using VoxelIndex = std::array<std::int32_t, 3>;
+
+/// A segmented tomography: one integer label a voxel, 0 is void. Sparse in memory (OpenVDB).
+///
+/// Voxel (i, j, k) covers origin + spacing * (i..i+1, j..j+1, k..k+1); its centre is at +1/2.
+class LabelVolume {
+ public:
+    /// All void.
+    LabelVolume(VoxelIndex size, Vec3 spacing, Vec3 origin = Vec3::Zero());
+    ~LabelVolume();
+    LabelVolume(LabelVolume&&) noexcept;
+    LabelVolume& operator=(LabelVolume&&) noexcept;
+
+    VoxelIndex size() const;
+    Vec3 spacing() const;  ///< mm
+    Vec3 origin() const;   ///< world coordinates [mm] of the corner of voxel (0, 0, 0)
+    Vec3 extent() const;   ///< size * spacing [mm]
+
+    /// Copies one slice z = k, given row by row (size[0] * size[1] labels).
+    void set_slice(std::int32_t k, const std::vector<std::int32_t>& labels);
+    void slice(std::int32_t k, std::vector<std::int32_t>& labels) const;
+
+    /// Copies the `count` slices from k on, slice after slice. Fastest, and leanest in memory, with k and count
+    /// multiples of `slab` (or up to the last slice): blocks of one label are then never stored voxel by voxel.
+    static constexpr std::int32_t slab = 8;
+    void set_slices(std::int32_t k, std::int32_t count, std::span<const std::int32_t> labels);
+    void slices(std::int32_t k, std::int32_t count, std::vector<std::int32_t>& labels) const;
+
+    /// Voxels of each label that occurs.
+    std::map<std::int32_t, std::int64_t> histogram() const;
+
+    /// Bytes that the labels take in memory.
+    std::int64_t memory() const;
+
+    /// Fast repeated look-ups; one a thread. Voxels outside the volume are void.
+    class Sampler {
+     public:
+        explicit Sampler(const LabelVolume& volume);
+        ~Sampler();
+        std::int32_t at(const VoxelIndex& voxel) const;
+        /// Label of the voxel that contains a point [mm].
+        std::int32_t nearest(const Vec3& point) const;
+        /// Label that fills most of the box of half-edge `half` [mm] around `point` (ties: the smallest label). Voxels
+        /// count by the part of them within the box (to 1/1024 of a voxel an axis); what sticks out of the volume
+        /// does not vote, so that its faces are not eaten away.
+        std::int32_t majority(const Vec3& point, double half) const;
+
+     private:
+        struct State;
+        std::unique_ptr<State> state_;
+    };
+
+ private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// What read_label_volume needs beyond the file itself.
+struct VolumeOptions {
+    Vec3 voxel_size = Vec3::Zero();                ///< mm, required
+    Vec3 origin = Vec3::Zero();                    ///< mm
+    std::optional<double> threshold;               ///< grey values above it become label 1, the others 0
+    std::map<std::int32_t, std::int32_t> relabel;  ///< applied to labels read; labels that are not named stay
+    /// first voxel and number of voxels to keep, {0,0,0} x everything by default
+    std::optional<std::array<VoxelIndex, 2>> region;
+};
+
+/// Reads a multipage TIFF, or a folder of single-page slices in natural order of their numbers (img_9 before img_10).
+///
+/// TIFF and BigTIFF, strips or tiles, any compression of libtiff. Palette images give their indices, never colours.
+/// 1, 2, 4, 8, 16, 32-bit integers, signed or not; 32 and 64-bit float only with a threshold (NaN is below it).
+/// In a folder only files ending in .tif or .tiff count, and their names may differ by one number alone.
+///
+/// A region keeps the world coordinates of its voxels: the origin moves to its first voxel.
+/// @throws InvalidInput: not there, not a TIFF, cut, slices of different size, empty folder, gap in the numbers
+/// @note   one slab of slices is in memory at a time beside the volume; slices are decoded on cli::threads() threads
+LabelVolume read_label_volume(const std::filesystem::path& path, const VolumeOptions& options);
+
+/// Writes a multipage TIFF (atomically), LZW, with the fewest of 8, 16 or 32 bits that hold the labels; BigTIFF where
+/// it could pass 4 GiB. Its description holds the spacing and the origin.
+void write_label_volume(const LabelVolume& volume, const std::filesystem::path& path);
+
+/// What makes two neighbouring voxels belong together.
+enum class Joining {
+    any_label,   ///< both have one of the labels looked at
+    same_label,  ///< both have the same label
+};
+
+/// Connected components (face neighbours) of the voxels of some labels.
+struct Components {
+    LabelVolume number;                ///< of the component, from 1 in raster order of their first voxels; 0 elsewhere
+    std::vector<std::int64_t> voxels;  ///< of each component (index 0: component 1)
+    std::vector<std::int32_t> label;   ///< of the first voxel of each component
+};
+
+/// @note time linear in the voxels; beside the result two slabs and 4 bytes for each run of equal voxels along x
+Components connected_components(const LabelVolume& volume, const std::vector<std::int32_t>& labels,
+                                Joining joining = Joining::any_label);
+
+/// Gives each component of `labels` (same_label) with fewer than `min_voxels` voxels the label that most of its outer
+/// face neighbours have (ties: the smallest), as they were before. @return number of components that were changed
+std::int64_t remove_small_components(LabelVolume& volume, const std::vector<std::int32_t>& labels,
+                                     std::int64_t min_voxels);
+
+}  // namespace tomodem
