@@ -1,0 +1,298 @@
+#include "core/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <toml++/toml.h>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <set>
+#include <sstream>
+
+#include "core/error.hpp"
+#include "core/units.hpp"
+
+namespace tomodem {
+namespace {
+
+/// Reads one table, remembers which keys were asked for, and refuses the others.
+class TableReader {
+ public:
+    TableReader(const toml::table& table, std::string where, std::string file)
+        : table_(table), where_(std::move(where)), file_(std::move(file)) {}
+
+    [[noreturn]] void fail(std::int64_t line, const std::string& what) const {
+        throw InvalidInput(fmt::format("scene '{}' line {}: {}", file_, line, what));
+    }
+    [[noreturn]] void fail(const toml::node& node, const std::string& what) const { fail(line_of(node), what); }
+
+    static std::int64_t line_of(const toml::node& node) { return node.source().begin.line; }
+    std::int64_t line() const { return std::max<std::int64_t>(1, line_of(table_)); }
+
+    const toml::node* find(const std::string& key) {
+        known_.insert(key);
+        return table_.get(key);
+    }
+
+    const toml::node& get(const std::string& key) {
+        const toml::node* node = find(key);
+        if (node == nullptr) fail(line(), fmt::format("{} has no '{}'", where_, key));
+        return *node;
+    }
+
+    /// A number in the scene's units, or a string with a unit such as "500 um".
+    double number(const toml::node& node, const std::string& key, double (*with_unit)(std::string_view) = nullptr) {
+        if (const auto value = node.value<double>(); value && node.is_number()) return *value;
+        if (with_unit != nullptr && node.is_string()) {
+            try {
+                return with_unit(*node.value<std::string>());
+            } catch (const InvalidInput& error) {
+                fail(node, fmt::format("{} in {}: {}", key, where_, error.what()));
+            }
+        }
+        fail(node, fmt::format("{} in {} must be a number{}", key, where_,
+                               with_unit != nullptr ? ", or a string with a unit" : ""));
+    }
+
+    std::optional<double> positive(const std::string& key, double (*with_unit)(std::string_view) = nullptr) {
+        const toml::node* node = find(key);
+        if (node == nullptr) return {};
+        const double value = number(*node, key, with_unit);
+        if (!(value > 0) || !std::isfinite(value))
+            fail(*node, fmt::format("{} in {} is {:g}: expected more than 0", key, where_, value));
+        return value;
+    }
+
+    std::optional<std::int64_t> integer(const std::string& key, std::int64_t least) {
+        const toml::node* node = find(key);
+        if (node == nullptr) return {};
+        const auto value = node->value_exact<std::int64_t>();
+        if (!value || *value < least)
+            fail(*node, fmt::format("{} in {} must be a whole number of at least {}", key, where_, least));
+        return value;
+    }
+
+    std::optional<bool> boolean(const std::string& key) {
+        const toml::node* node = find(key);
+        if (node == nullptr) return {};
+        const auto value = node->value_exact<bool>();
+        if (!value) fail(*node, fmt::format("{} in {} must be true or false", key, where_));
+        return value;
+    }
+
+    std::optional<std::string> text(const std::string& key) {
+        const toml::node* node = find(key);
+        if (node == nullptr) return {};
+        const auto value = node->value_exact<std::string>();
+        if (!value) fail(*node, fmt::format("{} in {} must be a string", key, where_));
+        return value;
+    }
+
+    std::optional<TableReader> table(const std::string& key, const std::string& where) {
+        const toml::node* node = find(key);
+        if (node == nullptr) return {};
+        if (!node->is_table()) fail(*node, fmt::format("{} must be a table", where));
+        return TableReader(*node->as_table(), where, file_);
+    }
+
+    void refuse_unknown() const {
+        for (const auto& [key, node] : table_)
+            if (!known_.contains(std::string(key.str())))
+                fail(key.source().begin.line,
+                     fmt::format("unknown key '{}' in {}; known are {}", key.str(), where_, fmt::join(known_, ", ")));
+    }
+
+    const toml::table& raw() const { return table_; }
+
+ private:
+    const toml::table& table_;
+    std::string where_, file_;
+    std::set<std::string> known_;
+};
+
+Norton read_norton(TableReader reader) {
+    Norton norton;
+    norton.consistency = reader.positive("K", nullptr).value_or(0.0);
+    norton.rate_sensitivity = reader.positive("M").value_or(0.0);
+    if (norton.consistency == 0.0 || norton.rate_sensitivity == 0.0)
+        reader.fail(reader.line(), "norton needs both K [MPa.s^M] and M, such as norton = { K = 95.9, M = 2.45e-3 }");
+    if (norton.rate_sensitivity > 1) reader.fail(reader.line(), "M in norton is above 1");
+    reader.refuse_unknown();
+    return norton;
+}
+
+Phase read_phase(const std::string& name, TableReader reader) {
+    Phase phase;
+    phase.name = name;
+    phase.line = reader.line();
+    reader.get("label");
+    phase.label = static_cast<std::int32_t>(*reader.integer("label", 1));
+    const toml::node& law = reader.get("law");
+    if (reader.text("law") != "bilin") reader.fail(law, "law must be \"bilin\"");
+    if (auto norton = reader.table("norton", fmt::format("norton of [phase.{}]", name)))
+        phase.norton = read_norton(*norton);
+    phase.repulsive_stiffness = reader.positive("repulsive_stiffness", units::stiffness);
+    phase.natural_period = reader.positive("natural_period", units::time);
+    phase.stiffness_ratio = reader.positive("stiffness_ratio").value_or(phase.stiffness_ratio);
+    phase.objects = reader.boolean("objects").value_or(false);
+    reader.refuse_unknown();
+    const bool given = phase.repulsive_stiffness.has_value() && phase.natural_period.has_value();
+    const bool any = phase.repulsive_stiffness.has_value() || phase.natural_period.has_value();
+    if (phase.norton.has_value() == given || (any && !given))
+        reader.fail(phase.line, fmt::format("[phase.{}] needs either norton = {{ K = .., M = .. }} or both "
+                                            "repulsive_stiffness and natural_period",
+                                            name));
+    return phase;
+}
+
+LoadStep read_step(const toml::node& node, const std::string& file) {
+    if (!node.is_table())
+        throw InvalidInput(
+            fmt::format("scene '{}' line {}: a step of [load] is written {{ strain = -0.3, rate = 1e-3 }}", file,
+                        TableReader::line_of(node)));
+    TableReader reader(*node.as_table(), "a step of [load]", file);
+    LoadStep step;
+    step.line = reader.line();
+    step.strain = reader.number(reader.get("strain"), "strain");
+    if (!std::isfinite(step.strain)) reader.fail(step.line, "strain in a step of [load] must be finite");
+    reader.get("rate");
+    step.rate = *reader.positive("rate", units::rate);
+    reader.refuse_unknown();
+    return step;
+}
+
+void read_load(TableReader reader, const std::string& file, Scene& scene) {
+    const std::string axis = reader.text("axis").value_or("z");
+    if (axis != "x" && axis != "y" && axis != "z")
+        reader.fail(*reader.find("axis"), "axis must be \"x\", \"y\" or \"z\"");
+    scene.axis = axis[0] - 'x';
+    const toml::node& steps = reader.get("steps");
+    if (!steps.is_array() || steps.as_array()->empty())
+        reader.fail(steps, "steps in [load] must be a list such as [ { strain = -0.3, rate = 1e-3 } ]");
+    double reached = 0;
+    for (const toml::node& node : *steps.as_array()) {
+        const LoadStep step = read_step(node, file);
+        if (step.strain == reached) reader.fail(step.line, fmt::format("the strain is {:g} already", reached));
+        reached = step.strain;
+        scene.steps.push_back(step);
+    }
+    reader.refuse_unknown();
+}
+
+void read_accuracy(TableReader reader, Scene& scene) {
+    if (const toml::node* node = reader.find("time_step")) {
+        const bool automatic = node->is_string() && *node->value<std::string>() == "auto";
+        if (!automatic) scene.time_step = reader.positive("time_step", units::time);
+    }
+    if (const auto value = reader.positive("strain_per_step")) {
+        if (scene.time_step)
+            reader.fail(*reader.find("strain_per_step"),
+                        "strain_per_step chooses the time step: remove one of the two");
+        scene.strain_per_step = *value;
+    }
+    scene.averaging_strain = reader.positive("averaging_strain").value_or(scene.averaging_strain);
+    scene.frames = reader.integer("frames", 1).value_or(scene.frames);
+    reader.refuse_unknown();
+}
+
+void check_loads_against_laws(const Scene& scene, const TableReader& reader) {
+    double reached = 0;
+    for (const LoadStep& step : scene.steps) {
+        if (step.strain > reached)
+            for (const Phase& phase : scene.phases)
+                if (phase.law == Law::bilin)
+                    reader.fail(step.line,
+                                fmt::format("the step from strain {:g} to {:g} is tension, which law \"bilin\" of "
+                                            "[phase.{}] cannot carry; keep to decreasing strains",
+                                            reached, step.strain, phase.name));
+        reached = step.strain;
+    }
+}
+
+}  // namespace
+
+double Norton::stress(double rate) const {
+    return consistency * std::pow(rate, rate_sensitivity);
+}
+
+const Phase& Scene::phase(std::int32_t label) const {
+    for (const Phase& phase : phases)
+        if (phase.label == label) return phase;
+    throw InvalidInput(fmt::format(
+        "scene '{}' has no phase with label {}, which the sample contains; add a [phase.NAME] with label = {}",
+        path.string(), label, label));
+}
+
+double Scene::highest_rate() const {
+    double highest = 0;
+    for (const LoadStep& step : steps) highest = std::max(highest, step.rate);
+    return highest;
+}
+
+double Scene::path_length() const {
+    double length = 0, reached = 0;
+    for (const LoadStep& step : steps) {
+        length += std::abs(step.strain - reached);
+        reached = step.strain;
+    }
+    return length;
+}
+
+Scene parse_scene(const std::string& text, const std::string& name) {
+    toml::table root;
+    try {
+        root = toml::parse(text);
+    } catch (const toml::parse_error& error) {
+        throw InvalidInput(fmt::format("scene '{}' line {}: {}", name, error.source().begin.line, error.description()));
+    }
+    Scene scene;
+    scene.path = name;
+    scene.text = text;
+    TableReader reader(root, "the scene", name);
+    scene.seed_radius = reader.positive("seed_radius", units::length).value_or(scene.seed_radius);
+    const auto crown = reader.positive("crown_radius", units::length);
+    scene.crown_radius = crown.value_or(1.5 * scene.seed_radius);
+    if (scene.crown_radius <= scene.seed_radius)
+        reader.fail(*reader.find("crown_radius"), "crown_radius must be larger than seed_radius");
+
+    const toml::node& phases = reader.get("phase");
+    if (!phases.is_table() || phases.as_table()->empty())
+        reader.fail(phases, "phases are written [phase.NAME] with a label and a law");
+    std::set<std::int32_t> labels;
+    for (const auto& [key, node] : *phases.as_table()) {
+        const std::string phase_name(key.str());
+        if (!node.is_table()) reader.fail(node, fmt::format("phase.{} must be a table", phase_name));
+        const Phase phase = read_phase(phase_name, TableReader(*node.as_table(), "[phase." + phase_name + "]", name));
+        if (!labels.insert(phase.label).second)
+            reader.fail(phase.line, fmt::format("label {} of [phase.{}] belongs to another phase already", phase.label,
+                                                phase_name));
+        scene.phases.push_back(phase);
+    }
+
+    if (auto contact = reader.table("contact", "[contact]")) {
+        scene.self_contact = contact->boolean("self_contact").value_or(false);
+        if (scene.self_contact)
+            contact->fail(*contact->find("self_contact"),
+                          "law \"bilin\" has no self-contact; set self_contact = false");
+        if (const toml::node* node = contact->find("healing_time"))
+            scene.healing_time = contact->number(*node, "healing_time", units::time);
+        contact->refuse_unknown();
+    }
+    reader.get("load");
+    read_load(*reader.table("load", "[load]"), name, scene);
+    if (auto accuracy = reader.table("accuracy", "[accuracy]")) read_accuracy(*accuracy, scene);
+    reader.refuse_unknown();
+    check_loads_against_laws(scene, reader);
+    return scene;
+}
+
+Scene read_scene(const std::filesystem::path& path) {
+    std::ifstream file(path);
+    if (!file || std::filesystem::is_directory(path))
+        throw InvalidInput(fmt::format("cannot read scene '{}': no such file", path.string()));
+    std::ostringstream text;
+    text << file.rdbuf();
+    return parse_scene(text.str(), path.string());
+}
+
+}  // namespace tomodem

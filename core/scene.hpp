@@ -1,0 +1,73 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What a sample is made of and what is done to it, as the user wrote it (docs/scene.md).
+namespace tomodem {
+
+/// Norton flow law sigma = K rate^M.
+struct Norton {
+    double consistency = 0.0;          ///< K [MPa.s^M]
+    double rate_sensitivity = 0.0;     ///< M [-]
+    double stress(double rate) const;  ///< [MPa] at a strain rate [1/s]
+};
+
+enum class Law { bilin };
+
+/// One label of the image and how it deforms: either `norton`, or stiffness and natural period given.
+struct Phase {
+    std::string name;
+    std::int32_t label = 0;
+    Law law = Law::bilin;
+    std::optional<Norton> norton;
+    std::optional<double> repulsive_stiffness;  ///< k_rep [uN/mm]
+    std::optional<double> natural_period;       ///< t0 [s]
+    double stiffness_ratio = 10.0;              ///< k_rep / k_att [-]
+    bool objects = false;                       ///< the sample must tell the connected components apart
+    std::int64_t line = 0;                      ///< in the scene file, for errors
+};
+
+/// A stretch of constant true strain rate.
+struct LoadStep {
+    double strain = 0.0;  ///< target true strain, negative in compression
+    double rate = 0.0;    ///< its magnitude [1/s]
+    std::int64_t line = 0;
+};
+
+struct Scene {
+    std::filesystem::path path;
+    std::string text;
+
+    double seed_radius = 0.5;  ///< r_s [mm] that the constants are meant for; a sample of another size is scaled to it
+    double crown_radius = 0.75;  ///< r_c [mm]
+    std::vector<Phase> phases;   ///< at least one
+
+    bool self_contact = false;
+    double healing_time = std::numeric_limits<double>::infinity();  ///< s
+
+    int axis = 2;  ///< 0, 1, 2 for x, y, z
+    std::vector<LoadStep> steps;
+
+    std::optional<double> time_step;  ///< s; chosen from strain_per_step when not given
+    double strain_per_step = 5e-6;    ///< largest strain in one time step [-]: the knob of speed against inertia
+    double averaging_strain = 0.01;   ///< window of the forces [-]
+    std::int64_t frames = 30;         ///< frames after the initial one, equally spaced in strain
+
+    const Phase& phase(std::int32_t label) const;  ///< @throws InvalidInput if no phase has it
+    double highest_rate() const;
+    /// Sum of |change of strain| over the steps.
+    double path_length() const;
+};
+
+/// @throws InvalidInput with the line: syntax, unknown key, missing key, wrong type or range, a string quantity without
+///         unit, two phases of one label, BILIN under tension
+Scene read_scene(const std::filesystem::path& path);
+
+/// As read_scene, for a text in memory; `name` stands for the file in errors.
+Scene parse_scene(const std::string& text, const std::string& name);
+
+}  // namespace tomodem
