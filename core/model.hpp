@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "core/law/bilin.hpp"
+#include "core/packing.hpp"
+#include "core/scene.hpp"
+
+namespace tomodem {
+
+/// Constants of one phase in the solver's lengths (those of the scene, where the seed radius is scene.seed_radius).
+struct PhaseModel {
+    std::int32_t label;
+    law::Bilin pair;        ///< between two particles of this phase
+    double natural_period;  ///< t0 [s]
+    double mass;            ///< k_rep t0^2 / (4 pi^2) [g]
+    double chi;             ///< rate t0^2 / time_step at the highest rate [-]
+};
+
+/// A scene compiled for a sample: everything the solver needs besides the positions.
+struct Model {
+    double seed_radius;              ///< mm, in the scene's lengths
+    double crown_radius;             ///< mm
+    double time_step;                ///< s
+    std::vector<PhaseModel> phases;  ///< those that the sample contains, in the order of their labels
+};
+
+/// Chooses the time step and the constants of every phase that occurs in the sample.
+///
+/// A phase given by norton gets, at the scene's highest rate, the flow stress K rate^M and the chi of that M; on the
+/// rate-insensitive plateau the natural period is the shortest stable one.
+///
+/// @throws InvalidInput: a label that the scene does not name, a phase without particles, M out of reach, a time step
+///         above 1/20 of a natural period (unstable), objects asked for that the sample does not tell apart
+Model compile_model(const Scene& scene, const Packing& sample);
+
+}  // namespace tomodem
