@@ -108,7 +108,7 @@ struct Components {
     std::vector<std::int32_t> label;   ///< of the first voxel of each component
 };
 
-/// @note time linear in the voxels; beside the result two slabs and 4 bytes for each run of equal voxels along x
+/// @note time linear in the voxels; beside the result two slabs and 8 bytes for each run of equal voxels along x
 Components connected_components(const LabelVolume& volume, const std::vector<std::int32_t>& labels,
                                 Joining joining = Joining::any_label);
 

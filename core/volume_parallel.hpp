@@ -31,8 +31,8 @@ void parallel_for(std::int64_t count, int threads, const Body& body) {
     for (int thread = 1; thread < threads && thread < count; ++thread) pool.emplace_back(work, thread);
     work(0);
     for (auto& thread : pool) thread.join();
-    const auto first = std::min_element(errors.begin(), errors.end(),
-                                        [](const auto& a, const auto& b) { return a.first < b.first; });
+    const auto first =
+        std::min_element(errors.begin(), errors.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     if (first->second) std::rethrow_exception(first->second);
 }
 

@@ -1,0 +1,315 @@
+// The only file with OpenVDB headers: they cost over 30 s a translation unit.
+#include "core/volume.hpp"
+
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tree/ValueAccessor.h>
+
+#include <cmath>
+
+#include "core/cli.hpp"
+#include "core/error.hpp"
+#include "core/volume_parallel.hpp"
+
+namespace tomodem {
+namespace {
+
+using Tree = openvdb::Int32Tree;
+using Leaf = Tree::LeafNodeType;
+using Accessor = openvdb::tree::ValueAccessor<const Tree>;
+constexpr std::int32_t edge = Leaf::DIM;
+static_assert(edge == LabelVolume::slab);
+
+/// In a leaf z runs fastest, then y, then x.
+constexpr std::int32_t leaf_offset(std::int32_t x, std::int32_t y, std::int32_t z) {
+    return (x * edge + y) * edge + z;
+}
+
+/// The part of a block of 8 x 8 x 8 voxels that lies in the volume and between two slices.
+struct BlockPart {
+    openvdb::Coord origin;
+    std::array<std::int32_t, 2> x, y, z;  // first and end, within the block
+    bool fills_all_slices;                // of those of the block that the volume has
+};
+
+BlockPart block_part(const VoxelIndex& size, std::int32_t x0, std::int32_t y0, std::int32_t z0, std::int32_t k,
+                     std::int32_t count) {
+    BlockPart part;
+    part.origin = {x0, y0, z0};
+    part.x = {0, std::min(edge, size[0] - x0)};
+    part.y = {0, std::min(edge, size[1] - y0)};
+    part.z = {std::max(k - z0, 0), std::min(edge, k + count - z0)};
+    part.fills_all_slices = part.z[0] == 0 && z0 + part.z[1] == std::min(z0 + edge, size[2]);
+    return part;
+}
+
+std::int32_t blocks(std::int32_t voxels) {
+    return (voxels + edge - 1) / edge;
+}
+
+}  // namespace
+
+struct LabelVolume::State {
+    VoxelIndex size;
+    Vec3 spacing, origin;
+    Tree tree{0};
+
+    void check_slices(std::int32_t k, std::int32_t count) const {
+        if (k < 0 || count < 1 || k > size[2] - count)
+            throw std::out_of_range(fmt::format("slices {} to {} of {}", k, k + count - 1, size[2]));
+    }
+};
+
+LabelVolume::LabelVolume(VoxelIndex size, Vec3 spacing, Vec3 origin) : state_(std::make_unique<State>()) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (size[axis] < 1)
+            throw InvalidInput(fmt::format("a volume of {} x {} x {} voxels: each edge must be at least 1", size[0],
+                                           size[1], size[2]));
+        if (!(spacing[axis] > 0) || !std::isfinite(spacing[axis]))
+            throw InvalidInput(fmt::format("voxel size {:g} mm: it must be more than 0", spacing[axis]));
+        if (!std::isfinite(origin[axis])) throw InvalidInput("the origin of a volume must be finite");
+    }
+    state_->size = size;
+    state_->spacing = spacing;
+    state_->origin = origin;
+}
+
+LabelVolume::~LabelVolume() = default;
+LabelVolume::LabelVolume(LabelVolume&&) noexcept = default;
+LabelVolume& LabelVolume::operator=(LabelVolume&&) noexcept = default;
+
+VoxelIndex LabelVolume::size() const {
+    return state_->size;
+}
+Vec3 LabelVolume::spacing() const {
+    return state_->spacing;
+}
+Vec3 LabelVolume::origin() const {
+    return state_->origin;
+}
+Vec3 LabelVolume::extent() const {
+    return state_->spacing.cwiseProduct(Vec3(state_->size[0], state_->size[1], state_->size[2]));
+}
+
+void LabelVolume::set_slice(std::int32_t k, const std::vector<std::int32_t>& labels) {
+    set_slices(k, 1, labels);
+}
+
+void LabelVolume::slice(std::int32_t k, std::vector<std::int32_t>& labels) const {
+    slices(k, 1, labels);
+}
+
+void LabelVolume::set_slices(std::int32_t k, std::int32_t count, std::span<const std::int32_t> labels) {
+    State& state = *state_;
+    state.check_slices(k, count);
+    const std::int64_t row = state.size[0], page = row * state.size[1];
+    if (static_cast<std::int64_t>(labels.size()) != page * count)
+        throw std::length_error(fmt::format("{} labels for {} slices of {}", labels.size(), count, page));
+
+    const std::int32_t columns = blocks(state.size[0]), rows = blocks(state.size[1]);
+    // Blocks are built on all threads and put into the tree, which only one thread may change, after that.
+    struct Built {
+        std::unique_ptr<Leaf> leaf;
+        std::int32_t constant = 0;
+    };
+    std::vector<Built> built(static_cast<std::size_t>(columns) * rows);
+    for (std::int32_t z0 = k - k % edge; z0 < k + count; z0 += edge) {
+        parallel_for(rows, cli::threads(), [&](std::int64_t block_row) {
+            const Accessor accessor(state.tree);
+            for (std::int32_t column = 0; column < columns; ++column) {
+                const BlockPart part =
+                    block_part(state.size, column * edge, static_cast<std::int32_t>(block_row) * edge, z0, k, count);
+                const std::int32_t* const first =
+                    labels.data() + (z0 - k) * page + part.origin.y() * row + part.origin.x();
+                Built& block = built[block_row * columns + column];
+                block.leaf.reset();
+                bool same = part.fills_all_slices;
+                const std::int32_t value = first[part.z[0] * page];
+                for (std::int32_t z = part.z[0]; same && z < part.z[1]; ++z)
+                    for (std::int32_t y = 0; same && y < part.y[1]; ++y) {
+                        const std::int32_t* const voxels = first + z * page + y * row;
+                        same = std::all_of(voxels, voxels + part.x[1], [value](auto voxel) { return voxel == value; });
+                    }
+                if (same) {
+                    block.constant = value;
+                    continue;
+                }
+                if (const Leaf* old = accessor.probeConstLeaf(part.origin))
+                    block.leaf = std::make_unique<Leaf>(*old);
+                else
+                    block.leaf = std::make_unique<Leaf>(part.origin, accessor.getValue(part.origin), true);
+                std::int32_t* const data = block.leaf->buffer().data();
+                for (std::int32_t z = part.z[0]; z < part.z[1]; ++z)
+                    for (std::int32_t y = 0; y < part.y[1]; ++y) {
+                        const std::int32_t* const voxels = first + z * page + y * row;
+                        for (std::int32_t x = 0; x < part.x[1]; ++x) data[leaf_offset(x, y, z)] = voxels[x];
+                    }
+            }
+        });
+        openvdb::tree::ValueAccessor<Tree> accessor(state.tree);
+        for (std::int32_t block_row = 0; block_row < rows; ++block_row)
+            for (std::int32_t column = 0; column < columns; ++column) {
+                Built& block = built[static_cast<std::size_t>(block_row) * columns + column];
+                const openvdb::Coord origin(column * edge, block_row * edge, z0);
+                if (block.leaf) {
+                    accessor.addLeaf(block.leaf.release());
+                } else if (accessor.probeConstLeaf(origin) || accessor.getValue(origin) != block.constant) {
+                    accessor.addTile(1, origin, block.constant, block.constant != 0);
+                }
+            }
+    }
+}
+
+void LabelVolume::slices(std::int32_t k, std::int32_t count, std::vector<std::int32_t>& labels) const {
+    const State& state = *state_;
+    state.check_slices(k, count);
+    const std::int64_t row = state.size[0], page = row * state.size[1];
+    labels.resize(page * count);
+    const std::int32_t columns = blocks(state.size[0]), rows = blocks(state.size[1]);
+    for (std::int32_t z0 = k - k % edge; z0 < k + count; z0 += edge)
+        parallel_for(rows, cli::threads(), [&](std::int64_t block_row) {
+            const Accessor accessor(state.tree);
+            for (std::int32_t column = 0; column < columns; ++column) {
+                const BlockPart part =
+                    block_part(state.size, column * edge, static_cast<std::int32_t>(block_row) * edge, z0, k, count);
+                std::int32_t* const first = labels.data() + (z0 - k) * page + part.origin.y() * row + part.origin.x();
+                const Leaf* const leaf = accessor.probeConstLeaf(part.origin);
+                const std::int32_t* const data = leaf ? leaf->buffer().data() : nullptr;
+                const std::int32_t constant = leaf ? 0 : accessor.getValue(part.origin);
+                for (std::int32_t z = part.z[0]; z < part.z[1]; ++z)
+                    for (std::int32_t y = 0; y < part.y[1]; ++y) {
+                        std::int32_t* const voxels = first + z * page + y * row;
+                        if (!data)
+                            std::fill(voxels, voxels + part.x[1], constant);
+                        else
+                            for (std::int32_t x = 0; x < part.x[1]; ++x) voxels[x] = data[leaf_offset(x, y, z)];
+                    }
+            }
+        });
+}
+
+std::map<std::int32_t, std::int64_t> LabelVolume::histogram() const {
+    const State& state = *state_;
+    const VoxelIndex& size = state.size;
+    const std::int32_t layers = blocks(size[2]);
+    std::vector<std::map<std::int32_t, std::int64_t>> counted(layers);
+    parallel_for(layers, cli::threads(), [&](std::int64_t layer) {
+        const Accessor accessor(state.tree);
+        auto& counts = counted[layer];
+        const auto z0 = static_cast<std::int32_t>(layer) * edge;
+        for (std::int32_t y0 = 0; y0 < size[1]; y0 += edge)
+            for (std::int32_t x0 = 0; x0 < size[0]; x0 += edge) {
+                const BlockPart part = block_part(size, x0, y0, z0, z0, edge);
+                const std::int32_t depth = std::min(edge, size[2] - z0);
+                const Leaf* const leaf = accessor.probeConstLeaf(part.origin);
+                if (!leaf) {
+                    counts[accessor.getValue(part.origin)] += std::int64_t{1} * part.x[1] * part.y[1] * depth;
+                    continue;
+                }
+                const std::int32_t* const data = leaf->buffer().data();
+                std::int32_t last = data[0];
+                std::int64_t run = 0;
+                for (std::int32_t x = 0; x < part.x[1]; ++x)
+                    for (std::int32_t y = 0; y < part.y[1]; ++y)
+                        for (std::int32_t z = 0; z < depth; ++z) {
+                            const std::int32_t label = data[leaf_offset(x, y, z)];
+                            if (label != last) {
+                                counts[last] += run;
+                                last = label;
+                                run = 0;
+                            }
+                            ++run;
+                        }
+                counts[last] += run;
+            }
+    });
+    std::map<std::int32_t, std::int64_t> total;
+    for (const auto& counts : counted)
+        for (const auto& [label, voxels] : counts) total[label] += voxels;
+    return total;
+}
+
+std::int64_t LabelVolume::memory() const {
+    return static_cast<std::int64_t>(state_->tree.memUsage());
+}
+
+struct LabelVolume::Sampler::State {
+    explicit State(const LabelVolume::State& of) : volume(of), accessor(of.tree) {}
+    const LabelVolume::State& volume;
+    Accessor accessor;
+};
+
+LabelVolume::Sampler::Sampler(const LabelVolume& volume) : state_(std::make_unique<State>(*volume.state_)) {}
+LabelVolume::Sampler::~Sampler() = default;
+
+std::int32_t LabelVolume::Sampler::at(const VoxelIndex& voxel) const {
+    for (int axis = 0; axis < 3; ++axis)
+        if (voxel[axis] < 0 || voxel[axis] >= state_->volume.size[axis]) return 0;
+    return state_->accessor.getValue(openvdb::Coord(voxel[0], voxel[1], voxel[2]));
+}
+
+std::int32_t LabelVolume::Sampler::nearest(const Vec3& point) const {
+    VoxelIndex voxel;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double at = std::floor((point[axis] - state_->volume.origin[axis]) / state_->volume.spacing[axis]);
+        if (!(at >= 0 && at < state_->volume.size[axis])) return 0;
+        voxel[axis] = static_cast<std::int32_t>(at);
+    }
+    return state_->accessor.getValue(openvdb::Coord(voxel[0], voxel[1], voxel[2]));
+}
+
+std::int32_t LabelVolume::Sampler::majority(const Vec3& point, double half) const {
+    const LabelVolume::State& volume = state_->volume;
+    std::array<std::int32_t, 3> first, end;
+    // Whole numbers (1/1024 of a voxel), so that equal shares tie exactly.
+    std::array<std::vector<std::int64_t>, 3> weights;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double centre = (point[axis] - volume.origin[axis]) / volume.spacing[axis];
+        const double low = std::max(centre - half / volume.spacing[axis], 0.0);
+        const double high = std::min(centre + half / volume.spacing[axis], static_cast<double>(volume.size[axis]));
+        if (!(low < high)) return nearest(point);
+        first[axis] = static_cast<std::int32_t>(std::floor(low));
+        end[axis] = static_cast<std::int32_t>(std::ceil(high));
+        for (std::int32_t i = first[axis]; i < end[axis]; ++i)
+            weights[axis].push_back(std::llround(1024 * (std::min(high, i + 1.0) - std::max(low, double(i)))));
+    }
+    std::vector<std::pair<std::int32_t, std::int64_t>> votes;
+    const auto vote = [&votes](std::int32_t label, std::int64_t weight) {
+        for (auto& [known, sum] : votes)
+            if (known == label) {
+                sum += weight;
+                return;
+            }
+        votes.emplace_back(label, weight);
+    };
+    const auto part = [&](int axis, std::int32_t from, std::int32_t to) {
+        std::int64_t sum = 0;
+        for (std::int32_t i = from; i < to; ++i) sum += weights[axis][i - first[axis]];
+        return sum;
+    };
+    const auto block_end = [&](int axis, std::int32_t i) { return std::min(end[axis], i - i % edge + edge); };
+    for (std::int32_t x0 = first[0]; x0 < end[0]; x0 = block_end(0, x0))
+        for (std::int32_t y0 = first[1]; y0 < end[1]; y0 = block_end(1, y0))
+            for (std::int32_t z0 = first[2]; z0 < end[2]; z0 = block_end(2, z0)) {
+                const std::int32_t x1 = block_end(0, x0), y1 = block_end(1, y0), z1 = block_end(2, z0);
+                const openvdb::Coord corner(x0, y0, z0);
+                const Leaf* const leaf = state_->accessor.probeConstLeaf(corner);
+                if (!leaf) {
+                    vote(state_->accessor.getValue(corner), part(0, x0, x1) * part(1, y0, y1) * part(2, z0, z1));
+                    continue;
+                }
+                const std::int32_t* const data = leaf->buffer().data();
+                for (std::int32_t x = x0; x < x1; ++x)
+                    for (std::int32_t y = y0; y < y1; ++y) {
+                        const std::int64_t face = weights[0][x - first[0]] * weights[1][y - first[1]];
+                        const std::int32_t* const line = data + leaf_offset(x % edge, y % edge, 0);
+                        for (std::int32_t z = z0; z < z1; ++z) vote(line[z % edge], face * weights[2][z - first[2]]);
+                    }
+            }
+    const auto winner = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
+        return a.second < b.second || (a.second == b.second && a.first > b.first);
+    });
+    return winner->first;
+}
+
+}  // namespace tomodem

@@ -1,0 +1,41 @@
+#pragma once
+#include <string>
+
+#include "core/cli.hpp"
+#include "core/volume.hpp"
+
+namespace tomodem {
+
+/// What every tool that reads a volume asks for: --voxel-size (required), --slice-spacing, --origin, --threshold,
+/// --relabel and --crop.
+struct VolumeRequest {
+    std::filesystem::path path;
+    double voxel_size = 0.0;     ///< mm
+    double slice_spacing = 0.0;  ///< mm, 0: as voxel_size
+    double threshold = 0.0;
+    std::string origin, relabel, crop;
+};
+
+/// Declares the volume as the next positional argument, and its options.
+cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request);
+
+/// The options as read_label_volume takes them.
+/// @throws WrongUsage if --origin, --relabel or --crop cannot be understood
+VolumeOptions volume_options(const VolumeRequest& request);
+
+/// "2=1,255=2" -> {2: 1, 255: 2}. @throws WrongUsage naming `flag`
+std::map<std::int32_t, std::int32_t> parse_relabel(const std::string& flag, const std::string& text);
+
+/// "1=matrix,2=inclusion" -> {1: matrix, 2: inclusion}. @throws WrongUsage naming `flag`
+std::map<std::int32_t, std::string> parse_label_names(const std::string& flag, const std::string& text);
+
+/// "1,2" -> {1, 2}, sorted. @throws WrongUsage naming `flag`
+std::vector<std::int32_t> parse_labels(const std::string& flag, const std::string& text);
+
+/// "x0:x1,y0:y1,z0:z1", x1 not included; {first voxel, number of voxels}. @throws WrongUsage naming `flag`
+std::array<VoxelIndex, 2> parse_crop(const std::string& flag, const std::string& text);
+
+/// "60" or "60x60x80": whole numbers of at least 1. @throws WrongUsage naming `flag`
+VoxelIndex parse_size(const std::string& flag, const std::string& text);
+
+}  // namespace tomodem
