@@ -1,0 +1,31 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/packing.hpp"
+
+namespace tomodem {
+
+/// One value a point, under the name that ParaView shows.
+struct PointArray {
+    std::string name;
+    std::variant<std::span<const double>, std::span<const std::int32_t>, std::span<const std::int64_t>> values;
+};
+
+/// Writes VTK PolyData (.vtp, raw appended binary, little-endian) atomically: a surface, or points where there are no
+/// triangles (each one then is a vertex cell).
+///
+/// @param points     mm
+/// @param triangles  indices into points; may be empty
+/// @param arrays     each as long as points
+/// @throws InvalidInput if the file cannot be written
+/// @see   The VTK User's Guide, 11th ed. (2010), section 19.3 (XML file formats)
+void write_vtp(const std::filesystem::path& path, std::span<const Vec3> points,
+               std::span<const std::array<std::int32_t, 3>> triangles = {}, const std::vector<PointArray>& arrays = {});
+
+}  // namespace tomodem
