@@ -1,0 +1,54 @@
+#pragma once
+#include <vector>
+
+#include "solver_plugin/liggghts.hpp"
+// behind the headers of LIGGGHTS
+#include "solver_plugin/bilin_properties.hpp"
+
+namespace tomodem::plugin {
+
+/// `fix ID all tomodem/planes`: two rigid planes perpendicular to z that press (or pull) the sample at a constant true
+/// strain rate, v = +-1/2 rate H0 exp(strain), under the wall law of each particle (thesis section 4.4).
+///
+/// H is the distance of the planes less one seed at each (the height of the layer of centres), strain = ln(H / H0).
+class FixPlanes : public LAMMPS_NS::Fix {
+ public:
+    struct Motion {
+        double centre = 0.0;          ///< z of the middle
+        double initial_height = 0.0;  ///< H0
+        double seed_radius = 0.0;
+        double strain = 0.0;  ///< at first_step
+        double rate = 0.0;    ///< signed [1/s]
+        LAMMPS_NS::bigint first_step = 0;
+    };
+    /// Sums over the steps since the last reset; forces of the planes on the sample, tension positive.
+    struct Forces {
+        double top = 0.0, bottom = 0.0;
+        long steps = 0;
+    };
+
+    FixPlanes(LAMMPS_NS::LAMMPS* lmp, int count, char** words) : Fix(lmp, count, words) {}
+
+    void move(const Motion& motion) { motion_ = motion; }
+    const Motion& motion() const { return motion_; }
+    double strain_at(LAMMPS_NS::bigint step) const;
+    /// This process' share; the sum over processes is the force.
+    Forces take_forces();
+
+    int setmask() override;
+    void init() override;
+    void setup(int flag) override { post_force(flag); }
+    void post_force(int) override;
+
+ private:
+    void choose_candidates(double low, double high);
+    double press(const std::vector<int>& candidates, double plane, double velocity, double inward);
+
+    Motion motion_;
+    Forces forces_;
+    BilinProperties properties_;
+    std::vector<int> near_low_, near_high_;
+    double chosen_low_ = 0, chosen_high_ = 0;
+};
+
+}  // namespace tomodem::plugin

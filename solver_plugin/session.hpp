@@ -1,0 +1,28 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "solver_plugin/liggghts.hpp"
+
+namespace tomodem::plugin {
+
+/// One LIGGGHTS with tomodem's styles, driven by its input commands and silent on the screen.
+///
+/// LIGGGHTS ends the process itself on an error; its message then reaches stderr as one line of ours.
+class Session {
+ public:
+    explicit Session(MPI_Comm communicator);
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    void command(const std::string& line);
+    LAMMPS_NS::LAMMPS& lmp() { return *lmp_; }
+
+ private:
+    std::filesystem::path log_;
+    std::unique_ptr<LAMMPS_NS::LAMMPS> lmp_;
+};
+
+}  // namespace tomodem::plugin

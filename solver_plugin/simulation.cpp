@@ -1,0 +1,330 @@
+#include "solver_plugin/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.hpp"
+#include "core/law/bilin_flow.hpp"
+#include "solver_plugin/bilin_pair.hpp"
+#include "solver_plugin/planes.hpp"
+#include "solver_plugin/session.hpp"
+
+namespace tomodem::plugin {
+namespace {
+
+/// Neighbour skin over the seed radius. BILIN's packings are cold: a small one is cheapest.
+constexpr double skin_over_seed = 0.3;
+
+double mass_for(double stiffness, double period) {
+    return stiffness * period * period / (4 * std::numbers::pi * std::numbers::pi);
+}
+
+}  // namespace
+
+struct Simulation::State {
+    MPI_Comm communicator;
+    int rank = 0;
+    Model model;
+    int axis;
+    double scale = 1;  ///< solver's length over the sample's
+    Vec3 centre;       ///< of the sample, in its own lengths
+    std::int64_t count = 0;
+    Session session;
+    FixPlanes* planes = nullptr;
+    bool ready = false;  ///< LIGGGHTS is set up for the present masses and planes
+
+    State(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
+        : communicator(communicator), model(model), axis(axis), session(communicator) {
+        MPI_Comm_rank(communicator, &rank);
+        scale = model.seed_radius / sample.seed_radius;
+        count = static_cast<std::int64_t>(sample.size());
+    }
+
+    LAMMPS_NS::Atom& atom() { return *session.lmp().atom; }
+
+    /// Component of the sample's coordinates that the solver calls `component`: the loading axis becomes z.
+    int turned(int component) const { return (component + axis + 1) % 3; }
+
+    Vec3 to_solver(const Vec3& point) const {
+        const Vec3 local = scale * (point - centre);
+        return {local[turned(0)], local[turned(1)], local[turned(2)]};
+    }
+
+    /// Turns a vector of the solver back to the sample's axes, without scaling.
+    Vec3 turned_back(const Vec3& vector) const {
+        Vec3 result;
+        for (int component = 0; component < 3; ++component) result[turned(component)] = vector[component];
+        return result;
+    }
+
+    double total(double mine) const {
+        double sum = 0;
+        MPI_Allreduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, communicator);
+        return sum;
+    }
+
+    double largest(double mine) const {
+        double highest = 0;
+        MPI_Allreduce(&mine, &highest, 1, MPI_DOUBLE, MPI_MAX, communicator);
+        return highest;
+    }
+
+    int type_of(std::int32_t label) const {
+        for (std::size_t k = 0; k < model.phases.size(); ++k)
+            if (model.phases[k].label == label) return static_cast<int>(k) + 1;
+        throw InvalidInput(fmt::format("the model has no phase with label {}", label));
+    }
+
+    /// One matrix of a pair constant, as `fix property/global` takes it.
+    template <class Constant>
+    std::string pair_matrix(Constant constant) const {
+        std::string words = std::to_string(model.phases.size());
+        for (const PhaseModel& a : model.phases)
+            for (const PhaseModel& b : model.phases) words += fmt::format(" {:.17g}", constant(mixed(a.pair, b.pair)));
+        return words;
+    }
+
+    void create_particles(const Packing& sample) {
+        LAMMPS_NS::Atom& atoms = atom();
+        const LAMMPS_NS::Domain& domain = *session.lmp().domain;
+        for (std::size_t k = 0; k < sample.size(); ++k) {
+            Vec3 point = to_solver(sample.position[k]);
+            bool mine = true;
+            for (int c = 0; c < 3; ++c) mine = mine && point[c] >= domain.sublo[c] && point[c] < domain.subhi[c];
+            if (!mine) continue;
+            const int type = type_of(sample.species[k]);
+            atoms.avec->create_atom(type, point.data());
+            const int i = atoms.nlocal - 1;
+            atoms.tag[i] = static_cast<int>(k) + 1;
+            atoms.radius[i] = model.crown_radius;
+        }
+        atoms.natoms = static_cast<LAMMPS_NS::bigint>(std::llround(total(atoms.nlocal)));
+        if (atoms.natoms != count)
+            throw InvalidInput(
+                fmt::format("only {} of {} particles could be placed in the solver", atoms.natoms, count));
+        atoms.map_init();
+        atoms.map_set();
+    }
+
+    template <class PeriodOf>
+    void set_masses(PeriodOf period_of) {
+        LAMMPS_NS::Atom& atoms = atom();
+        const double crown_volume = 4.0 / 3.0 * std::numbers::pi * std::pow(model.crown_radius, 3);
+        for (int i = 0; i < atoms.nlocal; ++i) {
+            const PhaseModel& phase = model.phases[atoms.type[i] - 1];
+            atoms.rmass[i] = mass_for(phase.pair.repulsive_stiffness, period_of(phase));
+            atoms.density[i] = atoms.rmass[i] / crown_volume;
+        }
+        ready = false;
+    }
+
+    /// Vectors of the local particles, in the order of the sample, on the first process.
+    std::vector<Vec3> gather(double* const* local) {
+        LAMMPS_NS::Atom& atoms = atom();
+        int processes = 1;
+        MPI_Comm_size(communicator, &processes);
+        const int mine = atoms.nlocal;
+        std::vector<int> counts(processes), starts(processes), triple_counts(processes), triple_starts(processes);
+        MPI_Gather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, communicator);
+        int all = 0;
+        for (int p = 0; p < processes; ++p) {
+            starts[p] = all;
+            triple_counts[p] = 3 * counts[p];
+            triple_starts[p] = 3 * all;
+            all += counts[p];
+        }
+        std::vector<int> tags(rank == 0 ? all : 0);
+        std::vector<double> values(rank == 0 ? 3 * static_cast<std::size_t>(all) : 0);
+        MPI_Gatherv(atoms.tag, mine, MPI_INT, tags.data(), counts.data(), starts.data(), MPI_INT, 0, communicator);
+        const double* first = mine > 0 ? local[0] : nullptr;
+        MPI_Gatherv(first, 3 * mine, MPI_DOUBLE, values.data(), triple_counts.data(), triple_starts.data(), MPI_DOUBLE,
+                    0, communicator);
+        std::vector<Vec3> result(rank == 0 ? count : 0);
+        for (std::size_t k = 0; k < tags.size(); ++k)
+            result[tags[k] - 1] = Vec3(values[3 * k], values[3 * k + 1], values[3 * k + 2]);
+        return result;
+    }
+};
+
+Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
+    : state_(std::make_unique<State>(sample, model, axis, communicator)) {
+    State& s = *state_;
+    if (sample.size() == 0) throw InvalidInput("the sample has no particle");
+    Vec3 low = sample.position.front(), high = low;
+    for (const Vec3& point : sample.position) {
+        low = low.cwiseMin(point);
+        high = high.cwiseMax(point);
+    }
+    s.centre = (low + high) / 2;
+    const Vec3 extent = s.scale * (high - low);
+
+    const auto command = [&](const std::string& line) { s.session.command(line); };
+    command("atom_style granular");
+    command("atom_modify map array");
+    // Shrink-wrapped: nothing can leave the box, and it stays balanced over the processes while the sample spreads.
+    command("boundary s s s");
+    command("newton off");
+    command("communicate single vel yes");
+    command("units si");  // no conversion: any consistent set
+    std::string corners;
+    for (int c = 0; c < 3; ++c) {
+        const double half = 0.5 * extent[s.turned(c)] + model.crown_radius;
+        corners += fmt::format(" {:.17g} {:.17g}", -half, half);
+    }
+    command("region everywhere block" + corners + " units box");
+    command(fmt::format("create_box {} everywhere", model.phases.size()));
+    s.create_particles(sample);
+    s.set_masses([](const PhaseModel& phase) { return phase.natural_period; });
+
+    command(fmt::format("neighbor {:.17g} bin", skin_over_seed * model.seed_radius));
+    command("neigh_modify delay 0 every 1 check yes");
+    const auto global = [&](const std::string& name, const std::string& words) {
+        command(fmt::format("fix {0} all property/global {0} {1}", name, words));
+    };
+    global("repulsiveStiffness",
+           "peratomtypepair " + s.pair_matrix([](const law::Bilin& pair) { return pair.repulsive_stiffness; }));
+    global("attractiveStiffness",
+           "peratomtypepair " + s.pair_matrix([](const law::Bilin& pair) { return pair.attractive_stiffness; }));
+    global("seedToCrown", fmt::format("scalar {:.17g}", model.seed_radius / model.crown_radius));
+    // Asked for by LIGGGHTS, read by no law of ours.
+    std::string young = "peratomtype", poisson = "peratomtype";
+    for (std::size_t k = 0; k < model.phases.size(); ++k) {
+        young += " 5e6";
+        poisson += " 0.3";
+    }
+    global("youngsModulus", young);
+    global("poissonsRatio", poisson);
+    command("pair_style gran model bilin tangential off");
+    command("pair_coeff * *");
+    command(fmt::format("timestep {:.17g}", model.time_step));
+    command("fix integration all nve");
+    command("thermo_style custom step atoms");
+    command("thermo_modify lost ignore norm no");
+    command("thermo 0");
+}
+
+Simulation::~Simulation() = default;
+
+void Simulation::begin_relaxation() {
+    const double period = law::least_steps_per_period * state_->model.time_step;
+    state_->set_masses([period](const PhaseModel&) { return period; });
+}
+
+void Simulation::end_relaxation() {
+    LAMMPS_NS::Atom& atoms = state_->atom();
+    for (int i = 0; i < atoms.nlocal; ++i)
+        for (int c = 0; c < 3; ++c) atoms.v[i][c] = 0;
+    state_->set_masses([](const PhaseModel& phase) { return phase.natural_period; });
+}
+
+void Simulation::place_planes() {
+    State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    double low = 1e300, high = -1e300;
+    for (int i = 0; i < atoms.nlocal; ++i) {
+        low = std::min(low, atoms.x[i][2]);
+        high = std::max(high, atoms.x[i][2]);
+    }
+    low = -s.largest(-low);
+    high = s.largest(high);
+    if (s.planes == nullptr) {
+        s.session.command("fix planes all tomodem/planes");
+        s.planes = static_cast<FixPlanes*>(s.session.lmp().modify->find_fix_id("planes"));
+    }
+    FixPlanes::Motion motion;
+    motion.centre = (low + high) / 2;
+    motion.initial_height = high - low;
+    motion.seed_radius = s.model.seed_radius;
+    motion.first_step = step();
+    s.planes->move(motion);
+    s.ready = false;
+}
+
+void Simulation::set_loading(double strain, double rate) {
+    FixPlanes::Motion motion = state_->planes->motion();
+    motion.strain = strain;
+    motion.rate = rate;
+    motion.first_step = step();
+    state_->planes->move(motion);
+}
+
+void Simulation::run(std::int64_t steps) {
+    State& s = *state_;
+    if (!s.ready) s.session.command("run 0 post no");
+    s.ready = true;
+    s.session.command(fmt::format("run {} pre no post no", steps));
+}
+
+std::int64_t Simulation::step() const {
+    return state_->session.lmp().update->ntimestep;
+}
+
+double Simulation::strain() const {
+    return state_->planes->strain_at(step());
+}
+
+PlaneForces Simulation::take_forces() {
+    const FixPlanes::Forces mine = state_->planes->take_forces();
+    PlaneForces forces;
+    forces.steps = mine.steps;
+    // Stress is the same in both lengths: forces scale with the section.
+    const double per_step = 1 / (std::max(1L, mine.steps) * state_->scale * state_->scale);
+    forces.top = state_->total(mine.top) * per_step;
+    forces.bottom = state_->total(mine.bottom) * per_step;
+    return forces;
+}
+
+Energies Simulation::energies() const {
+    State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    double kinetic = 0;
+    for (int i = 0; i < atoms.nlocal; ++i)
+        for (int c = 0; c < 3; ++c) kinetic += 0.5 * atoms.rmass[i] * atoms.v[i][c] * atoms.v[i][c];
+    const double to_sample = 1 / std::pow(s.scale, 3);
+    return {s.total(kinetic) * to_sample, s.total(seed_energy(&s.session.lmp())) * to_sample};
+}
+
+double Simulation::largest_speed() const {
+    const LAMMPS_NS::Atom& atoms = state_->atom();
+    double squared = 0;
+    for (int i = 0; i < atoms.nlocal; ++i)
+        squared = std::max(
+            squared, atoms.v[i][0] * atoms.v[i][0] + atoms.v[i][1] * atoms.v[i][1] + atoms.v[i][2] * atoms.v[i][2]);
+    return std::sqrt(state_->largest(squared)) / state_->scale;
+}
+
+double Simulation::initial_height() const {
+    return state_->planes->motion().initial_height / state_->scale;
+}
+
+std::int64_t Simulation::particles() const {
+    return std::llround(state_->total(state_->atom().nlocal));
+}
+
+std::int64_t Simulation::neighbour_builds() const {
+    return state_->session.lmp().neighbor->ncalls;
+}
+
+std::vector<Vec3> Simulation::positions() const {
+    State& s = *state_;
+    std::vector<Vec3> points = s.gather(s.atom().x);
+    for (Vec3& point : points) point = s.centre + s.turned_back(point) / s.scale;
+    return points;
+}
+
+std::vector<Vec3> Simulation::forces_at(const std::vector<Vec3>& velocities) {
+    State& s = *state_;
+    LAMMPS_NS::Atom& atoms = s.atom();
+    for (int i = 0; i < atoms.nlocal; ++i)
+        for (int c = 0; c < 3; ++c) atoms.v[i][c] = s.scale * velocities[atoms.tag[i] - 1][s.turned(c)];
+    s.session.command("run 0 post no");
+    s.ready = true;
+    std::vector<Vec3> forces = s.gather(atoms.f);
+    for (Vec3& force : forces) force = s.turned_back(force) / (s.scale * s.scale);
+    return forces;
+}
+
+}  // namespace tomodem::plugin

@@ -1,0 +1,68 @@
+#pragma once
+#include <mpi.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/model.hpp"
+#include "core/packing.hpp"
+
+/// A sample inside LIGGGHTS. No LIGGGHTS header is needed to use it.
+namespace tomodem::plugin {
+
+/// Forces of the planes on the sample [uN], tension positive, summed over all processes.
+struct PlaneForces {
+    double top = 0.0, bottom = 0.0;  ///< means over `steps`
+    long steps = 0;
+};
+
+struct Energies {
+    double kinetic = 0.0;  ///< nJ
+    double seeds = 0.0;    ///< elastic, of the overlapping seeds [nJ]
+};
+
+/// Every call is collective over the communicator; results are the same on every process unless said otherwise.
+///
+/// The sample is scaled to the model's seed radius, centred, and turned so that the loading axis is z; what comes out
+/// is scaled back to the sample's own lengths (stresses, strains and times are the same in both).
+class Simulation {
+ public:
+    Simulation(const Packing& sample, const Model& model, int axis, MPI_Comm communicator);
+    ~Simulation();
+    Simulation(const Simulation&) = delete;
+    Simulation& operator=(const Simulation&) = delete;
+
+    /// Every particle swings with the same short period while `steps` are made: rest is reached soonest.
+    void begin_relaxation();
+    /// Ends it: true masses, velocities zero.
+    void end_relaxation();
+
+    /// Puts the planes one seed radius outside the outermost particles; their distance less two seeds is H0.
+    void place_planes();
+    /// Constant true strain rate (signed) from `strain` on, from the next step.
+    void set_loading(double strain, double rate);
+
+    void run(std::int64_t steps);
+    std::int64_t step() const;
+    double strain() const;
+    PlaneForces take_forces();
+    Energies energies() const;
+    double largest_speed() const;
+    double initial_height() const;  ///< H0 [mm] of the sample's own lengths
+    std::int64_t particles() const;
+    std::int64_t neighbour_builds() const;
+
+    /// Positions in the order of the sample's particles, on the first process; empty elsewhere.
+    std::vector<Vec3> positions() const;
+
+    /// Sets velocities [mm/s] (in the order of the sample) and returns the forces [uN] at this moment, on the first
+    /// process: what tests of the law look at.
+    std::vector<Vec3> forces_at(const std::vector<Vec3>& velocities);
+
+ private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace tomodem::plugin

@@ -1,0 +1,51 @@
+// solve: press a sample as a scene says, on LIGGGHTS, and write its frames and curves.
+#include "solver_plugin/solver.hpp"
+
+#include "core/cli.hpp"
+#include "core/packing_file.hpp"
+#include "solver_plugin/mpi_tool.hpp"
+
+namespace {
+
+using namespace tomodem;
+
+struct Request {
+    std::filesystem::path sample, scene, run;
+};
+
+cli::Usage usage(Request& request) {
+    return cli::Usage("solve", "Press a sample of particles as a scene says, and write its frames and curves.")
+        .input("SAMPLE", request.sample, "sample of particles (.h5), relaxed first if it is not")
+        .input("SCENE", request.scene, "what the sample is made of and what is done to it (.toml)")
+        .output("RUN", request.run, "frames and curves to write (.h5)")
+        .example("solve relaxed.h5 scene.toml run.h5")
+        .example("mpirun -np 2 solve relaxed.h5 scene.toml run.h5 --json run.json");
+}
+
+void run(const Request& request) {
+    const Scene scene = read_scene(request.scene);
+    const Packing sample = read_packing(request.sample);
+    Provenance provenance = cli::provenance();
+    provenance.scene = scene.text;
+    const RunResult result = solve(sample, scene, request.run, provenance, MPI_COMM_WORLD);
+    cli::report("particles", result.particles);
+    cli::report("particles_lost", result.particles_lost);
+    cli::report("time_step", result.time_step, "s");
+    cli::report("steps", result.cost.steps);
+    cli::report("final_strain", result.final_strain);
+    cli::report("final_stress", result.final_stress, "Pa");
+    cli::report("mean_equilibrium_error", result.mean_equilibrium_error);
+    cli::report("processes", static_cast<std::int64_t>(result.cost.processes));
+    cli::report("neighbour_builds", result.cost.neighbour_builds);
+    cli::report("wall_seconds", result.cost.wall_seconds, "s");
+    cli::report("cpu_seconds", result.cost.cpu_seconds, "s");
+    cli::report("seconds_per_particle_step",
+                result.cost.cpu_seconds / (static_cast<double>(result.particles) * result.cost.steps), "s");
+    cli::report("peak_bytes", result.cost.peak_bytes, "B");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return mpi_main(argc, argv, usage, run);
+}

@@ -1,0 +1,56 @@
+#pragma once
+#include <mpi.h>
+
+#include <cstdint>
+#include <filesystem>
+
+#include "core/model.hpp"
+#include "core/packing.hpp"
+#include "core/provenance.hpp"
+#include "core/scene.hpp"
+
+/// The solver's public face: what `solve` and `relax` are made of. Every call is collective over the communicator.
+namespace tomodem {
+
+/// What a computation cost.
+struct Cost {
+    std::int64_t steps = 0;
+    double wall_seconds = 0.0;
+    double cpu_seconds = 0.0;     ///< all processes
+    std::int64_t peak_bytes = 0;  ///< all processes
+    std::int64_t neighbour_builds = 0;
+    int processes = 1;
+};
+
+struct Relaxation {
+    Packing sample;                   ///< at rest, `relaxed`; complete on the first process only
+    double residual_energy = 0.0;     ///< kinetic energy at the end over N k_rep r_s^2 [-]
+    double largest_displacement = 0;  ///< over the seed radius [-]
+    Cost cost;
+};
+
+/// Lets the free sample come to rest under its law (thesis section 5.3): every particle swings for `periods` natural
+/// periods of 20 time steps each.
+Relaxation relax(const Packing& sample, const Scene& scene, double periods, MPI_Comm communicator);
+
+struct RunResult {
+    Cost cost;
+    double time_step = 0.0;  ///< s
+    double final_strain = 0.0;
+    double final_stress = 0.0;          ///< true stress at the end [Pa], tension positive
+    double mean_equilibrium_error = 0;  ///< over the second half of the strain path [-]
+    std::int64_t particles = 0;
+    std::int64_t particles_lost = 0;
+};
+
+/// Relaxes the sample if it is not, presses it as the scene says, and writes frames and curves to an H5MD file.
+///
+/// Curves have a point every tenth of averaging_strain; each force is a mean over the last averaging_strain.
+/// The true stress uses A = A0 H0 / H with A0 the section of the sample's box (docs/method.md).
+///
+/// @throws InvalidInput if the scene does not fit the sample, particles are lost, or the packing heats up and falls
+/// apart
+RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem::path& run_file,
+                const Provenance& provenance, MPI_Comm communicator);
+
+}  // namespace tomodem
