@@ -429,7 +429,8 @@ Usage& Usage::required(const std::string& flag, double& target, Unit unit, Range
 }
 
 Usage& Usage::option(const std::string& flag, double& target, Unit unit, Range range, const std::string& help) {
-    const std::string preset = fmt::format("{:g}{}", target, unit == Unit::length ? "mm" : "");
+    const std::string value = fmt::format("{:g}{}", target, unit == Unit::length ? "mm" : "");
+    const std::string preset = range.contains(target) ? value : "";
     add({Argument::Kind::number, flag, help, false, unit, range, {}, preset, &target});
     return *this;
 }
@@ -440,7 +441,8 @@ Usage& Usage::required(const std::string& flag, std::int64_t& target, Unit unit,
 }
 
 Usage& Usage::option(const std::string& flag, std::int64_t& target, Unit unit, Range range, const std::string& help) {
-    add({Argument::Kind::integer, flag, help, false, unit, range, {}, std::to_string(target), &target});
+    const std::string preset = range.contains(static_cast<double>(target)) ? std::to_string(target) : "";
+    add({Argument::Kind::integer, flag, help, false, unit, range, {}, preset, &target});
     return *this;
 }
 

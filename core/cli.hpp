@@ -56,6 +56,7 @@ class Usage {
     /// A file to write; its folder must exist. Always the last positional argument.
     Usage& output(const std::string& name, std::filesystem::path& target, const std::string& help);
 
+    /// The value that `target` holds is the default, named by --help; one outside the range stands for "not given".
     Usage& required(const std::string& flag, double& target, Unit unit, Range range, const std::string& help);
     Usage& option(const std::string& flag, double& target, Unit unit, Range range, const std::string& help);
     Usage& required(const std::string& flag, std::int64_t& target, Unit unit, Range range, const std::string& help);
