@@ -1,12 +1,21 @@
 #include "solver_plugin/bilin_pair.hpp"
 
 #include <cmath>
+#include <cstdlib>
+#include <string_view>
 
 #include "solver_plugin/registration.hpp"
 
 namespace tomodem::plugin {
 
 using namespace LAMMPS_NS;
+
+namespace {
+
+/// Inner over outer skin: prunings cost little, padding pairs cost much.
+constexpr double inner_skin_share = 0.25;
+
+}  // namespace
 
 void BilinPair::init_granular() {
     properties_.connect(force->registry, "model bilin");
@@ -37,7 +46,49 @@ void BilinPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, 
         pair->ev_setup(energy_flag, virial_flag);
     else
         pair->evflag = pair->vflag_fdotr = 0;
-    const bool tally = pair->evflag != 0;
+    const bool rebuilt = neighbor->ago == 0 || update->setupflag;
+    if (rebuilt) vector_ready_ = prepare_vector();
+    if (vector_ready_ && !pair->evflag)
+        compute_vector(*pair);
+    else
+        compute_scalar(*pair);
+}
+
+bool BilinPair::prepare_vector() {
+    static const bool wanted = [] {
+        const char* kernel = std::getenv("TOMODEM_KERNEL");
+        return kernel == nullptr || std::string_view(kernel) != "scalar";
+    }();
+    if (!wanted || !VectorPairs::supported() || force->newton_pair) return false;
+    const int types = atom->ntypes;
+    std::vector<double> radius(types + 1, 0.0);
+    for (int i = 0; i < atom->nlocal + atom->nghost; ++i) {
+        double& of_type = radius[atom->type[i]];
+        if (of_type == 0.0) of_type = atom->radius[i];
+        if (of_type != atom->radius[i]) return false;
+    }
+    std::vector<law::Bilin> laws;
+    for (int a = 1; a <= types; ++a)
+        for (int b = 1; b <= types; ++b) {
+            const double crown = radius[a] + radius[b];
+            laws.push_back({crown * properties_.seed_to_crown, crown, properties_.repulsive_stiffness[a][b],
+                            properties_.attractive_stiffness[a][b]});
+        }
+    vector_pairs_.set_laws(std::move(laws), types, inner_skin_share * neighbor->skin);
+    return true;
+}
+
+void BilinPair::compute_vector(PairGran& pair) {
+    const NeighList& list = *pair.list;
+    const int count = atom->nlocal + atom->nghost;
+    if (count == 0) return;
+    vector_pairs_.add_forces({atom->x[0], atom->v[0], atom->type, atom->nlocal, count},
+                             {list.inum, list.ilist, list.numneigh, list.firstneigh, NEIGHMASK},
+                             neighbor->ago == 0 || update->setupflag, atom->f[0]);
+}
+
+void BilinPair::compute_scalar(PairGran& pair) {
+    const bool tally = pair.evflag != 0;
 
     const double* const* x = atom->x;
     const double* const* v = atom->v;
@@ -46,7 +97,7 @@ void BilinPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, 
     const int* type = atom->type;
     const int local_count = atom->nlocal;
     const bool newton = force->newton_pair != 0;
-    const NeighList& list = *pair->list;
+    const NeighList& list = *pair.list;
 
     for (int row = 0; row < list.inum; ++row) {
         const int i = list.ilist[row];
@@ -73,7 +124,7 @@ void BilinPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, 
                 f[j][1] -= fy;
                 f[j][2] -= fz;
             }
-            if (tally) pair->ev_tally_xyz(i, j, local_count, newton, 0, 0, fx, fy, fz, dx, dy, dz);
+            if (tally) pair.ev_tally_xyz(i, j, local_count, newton, 0, 0, fx, fy, fz, dx, dy, dz);
         }
         f[i][0] += sum[0];
         f[i][1] += sum[1];

@@ -2,6 +2,7 @@
 #include "solver_plugin/liggghts.hpp"
 // behind the headers of LIGGGHTS
 #include "solver_plugin/bilin_properties.hpp"
+#include "solver_plugin/vector_pairs.hpp"
 
 namespace tomodem::plugin {
 
@@ -9,6 +10,9 @@ namespace tomodem::plugin {
 ///
 /// It replaces LIGGGHTS' generic pair loop: no rotation, no torque, no contact history. The radius of a particle is its
 /// crown radius. Needs `newton off` and `communicate single vel yes` (ghosts carry the velocity that the law reads).
+///
+/// Steps without energy or virial run on VectorPairs where the machine has AVX2 and the radii of each type are equal;
+/// the scalar loop is the reference, and serves everything else. TOMODEM_KERNEL=scalar in the environment forces it.
 class BilinPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranularPairStyle {
  public:
     explicit BilinPair(LAMMPS_NS::LAMMPS* lmp) : Pointers(lmp) {}
@@ -24,7 +28,13 @@ class BilinPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGra
     bool contact_match(const std::string type, const std::string model) override;
 
  private:
+    void compute_scalar(LAMMPS_NS::PairGran& pair);
+    void compute_vector(LAMMPS_NS::PairGran& pair);
+    bool prepare_vector();
+
     BilinProperties properties_;
+    VectorPairs vector_pairs_;
+    bool vector_ready_ = false;
 };
 
 /// Elastic energy of the overlapping seeds of this process' share of the pairs.
