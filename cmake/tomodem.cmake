@@ -12,6 +12,7 @@ function(tomodem_tool name source)
     add_executable(${name} ${source})
     target_link_libraries(${name} PRIVATE ${arg_LIBS} tomodem_core tomodem_warnings)
     install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    set_property(GLOBAL APPEND PROPERTY TOMODEM_TOOLS ${name})
 endfunction()
 
 # tomodem_unit_test(NAME SOURCES ... LIBS ...): GoogleTest executable; each test is a ctest of label "unit".

@@ -1,0 +1,55 @@
+# The front door of tomodem. `make demo` and `make test` need nothing but git and make on a Debian 12.
+#
+#   make build                  every executable, in build/bin
+#   make demo                   tomography -> simulation -> pictures and a report, in out/demo
+#   make demo VOLUME=stack.tif VOXEL_SIZE=2.4um [LABELS="1=matrix,2=inclusion" | THRESHOLD=120]
+#   make test                   every test that CI runs
+#   make physics                long physical checks
+#   make bench                  measurements of speed and memory
+#   make lint                   clang-tidy on every source
+#   make install PREFIX=/usr/local
+
+BUILD := build
+PREFIX ?= /usr/local
+JOBS ?= $(shell nproc)
+OUT ?= out/demo
+
+export OMPI_ALLOW_RUN_AS_ROOT := 1
+export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
+
+.PHONY: build demo test physics bench lint docs install clean
+
+# Packages are looked at once; after that, only when the list changes.
+$(BUILD)/.bootstrapped: packages/debian.txt bootstrap
+	./bootstrap
+	mkdir -p $(BUILD)
+	touch $@
+
+build: $(BUILD)/.bootstrapped
+	cmake --preset release -DCMAKE_INSTALL_PREFIX=$(PREFIX) $(if $(wildcard $(BUILD)/build.ninja),>/dev/null)
+	cmake --build $(BUILD) -j $(JOBS)
+
+demo: build
+	$(MAKE) -f pipelines/demo/Makefile BIN=$(CURDIR)/$(BUILD)/bin OUT=$(OUT)
+
+test: build
+	ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS) -LE 'physics|bench'
+
+physics: build
+	ctest --test-dir $(BUILD) --output-on-failure -V -L physics
+
+bench: build
+	ctest --test-dir $(BUILD) --output-on-failure -V -L bench
+
+lint: build
+	run-clang-tidy -quiet -p $(BUILD) '^$(CURDIR)/(core|tools|solver_plugin)/'
+
+# The reference of every tool, from its own usage.
+docs: build
+	docs/make_reference $(BUILD)/bin > docs/reference.md
+
+install: build
+	cmake --install $(BUILD)
+
+clean:
+	rm -rf $(BUILD) out
