@@ -1,0 +1,77 @@
+// volume_info: what a segmented tomography holds.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/cli.hpp"
+#include "core/volume_cli.hpp"
+
+namespace {
+using namespace tomodem;
+
+struct Request {
+    VolumeRequest volume;
+    std::int64_t min_component = 27;
+};
+
+cli::Usage usage(Request& request) {
+    cli::Usage usage("volume_info", "Size, labels and connected components of a segmented tomography.");
+    add_volume(usage, request.volume)
+        .option("--min-component", request.min_component, cli::Unit::voxels, cli::positive,
+                "also count the components of at least this size")
+        .example("volume_info stack/ --voxel-size 2.4um")
+        .example("volume_info grey.tif --voxel-size 19.5um --threshold 83 --json info.json");
+    return usage;
+}
+
+void run(const Request& request) {
+    const LabelVolume volume = read_label_volume(request.volume.path, volume_options(request.volume));
+    const VoxelIndex size = volume.size();
+    const Vec3 extent = volume.extent();
+    for (int axis = 0; axis < 3; ++axis) {
+        const std::string name(1, "xyz"[axis]);
+        cli::report("size_" + name, std::int64_t{size[axis]}, "voxels");
+        cli::report("extent_" + name, extent[axis], "mm");
+    }
+    const auto histogram = volume.histogram();
+    constexpr std::size_t most_labels = 16;
+    if (histogram.size() > most_labels) {
+        cli::report("label_count", static_cast<std::int64_t>(histogram.size()));
+        cli::warn("more than 16 labels: is this a grey image? give --threshold; nothing more is counted");
+        return;
+    }
+
+    std::vector<std::int32_t> labels;
+    for (const auto& [label, voxels] : histogram) labels.push_back(label);
+    const Components components = connected_components(volume, labels, Joining::same_label);
+    const double all = static_cast<double>(size[0]) * size[1] * size[2];
+    nlohmann::ordered_json table = nlohmann::ordered_json::array();
+    for (const auto& [label, voxels] : histogram) {
+        std::int64_t count = 0, large = 0, largest = 0;
+        for (std::size_t i = 0; i < components.voxels.size(); ++i) {
+            if (components.label[i] != label) continue;
+            ++count;
+            large += components.voxels[i] >= request.min_component;
+            largest = std::max(largest, components.voxels[i]);
+        }
+        const std::string key = fmt::format("label_{}", label);
+        cli::report("voxels_" + key, voxels);
+        cli::report("fraction_" + key, 100 * static_cast<double>(voxels) / all, "%");
+        cli::report("components_" + key, count);
+        cli::report("large_components_" + key, large);
+        cli::report("largest_component_" + key, largest, "voxels");
+        table.push_back({{"label", label},
+                         {"voxels", voxels},
+                         {"fraction", static_cast<double>(voxels) / all},
+                         {"components", count},
+                         {"large_components", large},
+                         {"largest_component", largest}});
+    }
+    cli::report_json("labels", table.dump());
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+    return cli::main(argc, argv, usage, run);
+}
