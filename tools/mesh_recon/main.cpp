@@ -28,7 +28,7 @@ cli::Usage usage(Request& request) {
                 "not given")
         .option("--frame", request.frame, cli::Unit::none, {.low = -1},
                 "frame of a run, counted from 0; -1 is the last")
-        .option("--species", request.species, cli::Unit::none, cli::any, "only the phase of this label")
+        .option("--species", request.species, cli::Unit::none, cli::positive, "only the phase of this label")
         .option("--object", request.object, cli::Unit::none, cli::positive, "only the object of this number")
         .exclusive({"--species", "--object"})
         .example("mesh_recon run.h5 inclusions.stl --species 2 --probe-radius 0.9mm");

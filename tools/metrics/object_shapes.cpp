@@ -58,8 +58,9 @@ ChosenObjects choose_objects(const Packing& packing, const ObjectChoice& choice)
     std::size_t largest = 0;
     for (auto& [number, object] : objects) {
         largest = std::max(largest, object.members.size());
-        if (object.members.size() < choice.min_particles ||
-            second_moments(packing.position, object.members).minCoeff() <= 0.0)
+        const Vec3 moments = second_moments(packing.position, object.members);
+        const bool flat = moments.minCoeff() <= 1e-12 * moments.maxCoeff();
+        if (object.members.size() < choice.min_particles || flat)
             ++result.too_small;
         else if (choice.exclude_boundary && at_boundary(packing, object, low, high))
             ++result.at_boundary;

@@ -33,7 +33,10 @@ void Table::add(std::vector<Cell> row) {
 std::string Table::csv() const {
     std::string text;
     const auto line = [&](const auto& cells, const auto& shown) {
-        for (std::size_t i = 0; i < cells.size(); ++i) text += (i == 0 ? "" : ",") + shown(cells[i]);
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            if (i > 0) text += ',';
+            text += shown(cells[i]);
+        }
         text += '\n';
     };
     line(columns_, quoted);
