@@ -110,7 +110,8 @@ class Writer {
     hid_t file() const { return file_; }
 
     Handle group(hid_t parent, const char* name) {
-        return {H5Gcreate2(parent, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, failure_};
+        const Handle creation = untimed(H5P_GROUP_CREATE);
+        return {H5Gcreate2(parent, name, H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose, failure_};
     }
     template <class T>
     void attribute(hid_t object, const char* name, std::span<const T> values, bool scalar = false) {
@@ -139,7 +140,7 @@ class Writer {
     template <class T>
     Handle dataset(hid_t parent, const char* name, const Shape& shape, const T* data) {
         Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, failure_);
-        const Handle creation = dataset_creation();
+        const Handle creation = untimed(H5P_DATASET_CREATE);
         Handle dataset(H5Dcreate2(parent, name, native<T>(), space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose,
                        failure_);
         check(H5Dwrite(dataset, native<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data), failure_);
@@ -150,7 +151,7 @@ class Writer {
         const Handle type = text_type(longest(texts));
         const hsize_t count = texts.size();
         Handle space(list ? H5Screate_simple(1, &count, nullptr) : H5Screate(H5S_SCALAR), H5Sclose, failure_);
-        const Handle creation = dataset_creation();
+        const Handle creation = untimed(H5P_DATASET_CREATE);
         Handle dataset(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose, failure_);
         if (count > 0) check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded(texts).data()), failure_);
     }
@@ -161,7 +162,7 @@ class Writer {
         const hsize_t chunk[] = {1, (rows + pieces - 1) / pieces, 3};  // equal pieces: the last one is not half empty
         const hsize_t start[] = {0, rows, 3};
         const hsize_t most[] = {H5S_UNLIMITED, rows, 3};
-        const Handle creation = dataset_creation();
+        const Handle creation = untimed(H5P_DATASET_CREATE);
         check(H5Pset_chunk(creation, 3, chunk), failure_);
         check(H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER), failure_);
         Handle space(H5Screate_simple(3, start, most), H5Sclose, failure_);
@@ -189,11 +190,12 @@ class Writer {
         check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18), failure_);
         check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), failure_);
         check(H5Pset_file_locking(access, false, true), failure_);  // the part file is ours alone
-        return {H5Fcreate(where.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, failure_};
+        const Handle creation = untimed(H5P_FILE_CREATE);
+        return {H5Fcreate(where.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose, failure_};
     }
     /// No time stamps: the same input gives the same bytes.
-    Handle dataset_creation() {
-        Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, failure_);
+    Handle untimed(hid_t property_class) {
+        Handle list(H5Pcreate(property_class), H5Pclose, failure_);
         check(H5Pset_obj_track_times(list, false), failure_);
         return list;
     }

@@ -1,0 +1,121 @@
+#include "tools/export/export_frames.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "core/binary_output.hpp"
+#include "core/error.hpp"
+#include "core/vtp_file.hpp"
+
+namespace tomodem {
+namespace fs = std::filesystem;
+namespace {
+
+void write_vtp_frame(const RunReader& run, std::size_t index, const fs::path& path) {
+    const Packing& packing = run.packing();
+    const Frame frame = run.frame(index);
+    const std::vector<double> radius(packing.size(), packing.seed_radius);
+    std::vector<PointArray> arrays{{"species", std::span<const std::int32_t>(packing.species)},
+                                   {"id", std::span<const std::int64_t>(packing.id)},
+                                   {"radius", std::span<const double>(radius)}};
+    if (!packing.object.empty()) arrays.push_back({"object", std::span<const std::int32_t>(packing.object)});
+    write_vtp(path, frame.position, {}, arrays);
+}
+
+std::string xml_escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text)
+        if (c == '&')
+            out += "&amp;";
+        else if (c == '<')
+            out += "&lt;";
+        else if (c == '"')
+            out += "&quot;";
+        else
+            out += c;
+    return out;
+}
+
+}  // namespace
+
+std::vector<std::size_t> chosen_frames(std::string_view choice, std::size_t frame_count) {
+    if (choice == "first") return {0};
+    if (choice == "last") return {frame_count - 1};
+    if (choice == "all") {
+        std::vector<std::size_t> frames(frame_count);
+        std::iota(frames.begin(), frames.end(), 0);
+        return frames;
+    }
+    std::size_t index = 0;
+    const auto [end, error] = std::from_chars(choice.data(), choice.data() + choice.size(), index);
+    if (error != std::errc{} || end != choice.data() + choice.size())
+        throw WrongUsage(fmt::format("--frames '{}': give all, first, last or a number from 0", choice));
+    if (index >= frame_count)
+        throw InvalidInput(fmt::format("--frames {}: the file has frames 0 to {}", index, frame_count - 1));
+    return {index};
+}
+
+void export_dump(const RunReader& run, const std::vector<std::size_t>& frames, const fs::path& output,
+                 const FrameDone& done) {
+    const Packing& packing = run.packing();
+    const Box& box = packing.box;
+    BinaryOutput out(output);
+    fmt::memory_buffer text;
+    for (std::size_t count = 0; count < frames.size(); ++count) {
+        const Frame frame = run.frame(frames[count]);
+        text.clear();
+        auto end = std::back_inserter(text);
+        fmt::format_to(end, "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\nITEM: BOX BOUNDS", frame.step,
+                       packing.size());
+        for (const bool periodic : box.periodic) fmt::format_to(end, " {}", periodic ? "pp" : "ff");
+        for (int axis = 0; axis < 3; ++axis)
+            fmt::format_to(end, "\n{} {}", box.origin[axis], box.origin[axis] + box.edges[axis]);
+        fmt::format_to(end, "\nITEM: ATOMS id type x y z radius object\n");
+        for (std::size_t i = 0; i < packing.size(); ++i) {
+            const Vec3& p = frame.position[i];
+            fmt::format_to(end, "{} {} {} {} {} {} {}\n", packing.id[i], packing.species[i], p.x(), p.y(), p.z(),
+                           packing.seed_radius, packing.object.empty() ? 0 : packing.object[i]);
+        }
+        out.text({text.data(), text.size()});
+        if (done) done(count + 1);
+    }
+    out.commit();
+}
+
+std::vector<fs::path> export_vtp(const RunReader& run, const std::vector<std::size_t>& frames, const fs::path& output,
+                                 const FrameDone& done) {
+    if (frames.size() == 1 && output.extension() != ".pvd") {
+        write_vtp_frame(run, frames.front(), output);
+        if (done) done(1);
+        return {output};
+    }
+    struct Cleanup {  // a series is complete or not there
+        ~Cleanup() {
+            std::error_code ignored;
+            for (const fs::path& path : written) fs::remove(path, ignored);
+        }
+        std::vector<fs::path> written;
+    } series;
+    std::vector<fs::path>& written = series.written;
+    std::string index =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+        "<Collection>\n";
+    for (const std::size_t frame : frames) {
+        const fs::path path = output.parent_path() / fmt::format("{}_{:04}.vtp", output.stem().string(), frame);
+        write_vtp_frame(run, frame, path);
+        index += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", run.frame_time(frame),
+                             xml_escaped(path.filename().string()));
+        written.push_back(path);
+        if (done) done(written.size());
+    }
+    const fs::path index_path = fs::path(output).replace_extension(".pvd");
+    write_text(index_path, index + "</Collection>\n</VTKFile>\n");
+    written.push_back(index_path);
+    return std::exchange(written, {});
+}
+
+}  // namespace tomodem
