@@ -277,7 +277,7 @@ bool parse(int argc, const char* const* argv, const Usage& usage) {
         if (arguments[k].kind == Argument::Kind::flag)
             options[k] = app.add_flag(arguments[k].name);
         else
-            options[k] = app.add_option(arguments[k].name, words[k])->expected(1);
+            options[k] = app.add_option(arguments[k].name, words[k])->expected(1)->allow_extra_args(false);
     }
     app.add_option("files", positionals);
 
