@@ -7,7 +7,7 @@ load common
     [ "$(value objects_used out.json)" -eq 1 ]
     [ "$(value objects_too_small out.json)" -eq 1 ]
     [ "$(value objects_at_boundary out.json)" -eq 1 ]
-    close "$(value shape_factor_first out.json)" 1 5e-3
+    close "$(value shape_factor_first out.json)" 1 1e-2
     close "$(value shape_factor_last_normalised out.json)" 0.6376281516 1e-9
     [ "$(column "frame [-]" out.csv | tr '\n' ' ')" = "0 1 2 3 " ]
     close "$(column "strain [-]" out.csv | tail -1)" -0.3 1e-9
