@@ -55,12 +55,11 @@ void BilinPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, 
 }
 
 bool BilinPair::prepare_vector() {
-    static const bool wanted = [] {
-        const char* kernel = std::getenv("TOMODEM_KERNEL");
-        return kernel == nullptr || std::string_view(kernel) != "scalar";
-    }();
+    const char* const kernel = std::getenv("TOMODEM_KERNEL");
+    const bool wanted = kernel == nullptr || std::string_view(kernel) != "scalar";
     if (!wanted || !VectorPairs::supported() || force->newton_pair) return false;
-    const int types = atom->ntypes;
+    // LIGGGHTS holds the constants of the types that occur, not of all that the box may hold.
+    const int types = force->registry.max_type();
     std::vector<double> radius(types + 1, 0.0);
     for (int i = 0; i < atom->nlocal + atom->nghost; ++i) {
         double& of_type = radius[atom->type[i]];

@@ -1,0 +1,121 @@
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstdlib>
+
+#include "core/law/bilin.hpp"
+#include "solver_plugin/simulation.hpp"
+
+namespace tomodem {
+namespace {
+
+using plugin::Simulation;
+
+constexpr double relative = 1e-12;
+
+Model two_phase_model() {
+    Model model;
+    model.seed_radius = 0.5;
+    model.crown_radius = 0.75;
+    model.time_step = 5e-4;
+    model.phases = {{1, {1.0, 1.5, 6.23e9, 6.23e8}, 0.1, 1.578e6, 0.0},
+                    {2, {1.0, 1.5, 2.65e9, 2.65e8}, 2.53, 4.3e8, 0.0}};
+    return model;
+}
+
+/// Two particles `distance` apart in a direction that is along no axis.
+Packing pair_of(std::int32_t first, std::int32_t second, double distance, double seed_radius = 0.5) {
+    Packing packing;
+    packing.seed_radius = seed_radius;
+    packing.box.edges = Vec3::Constant(10);
+    const Vec3 direction = Vec3(1, -2, 2) / 3;
+    packing.position = {Vec3(3, 4, 5), Vec3(3, 4, 5) + distance * direction};
+    packing.species = {first, second};
+    packing.id = {1, 2};
+    return packing;
+}
+
+/// Signed force on the second particle along the line from the first, for a given rate of the distance.
+double force_in_liggghts(const Packing& pair, double rate, int axis = 2) {
+    Simulation simulation(pair, two_phase_model(), axis, MPI_COMM_WORLD);
+    const Vec3 direction = (pair.position[1] - pair.position[0]).normalized();
+    const auto forces = simulation.forces_at({Vec3(-0.3, 0.1, 0.2), Vec3(-0.3, 0.1, 0.2) + rate * direction});
+    EXPECT_LT((forces[0] + forces[1]).norm(), relative * (1 + forces[0].norm())) << "action is not reaction";
+    EXPECT_NEAR(forces[1].cross(direction).norm(), 0, 1e-9 * (1 + forces[1].norm())) << "force is not central";
+    return forces[1].dot(direction);
+}
+
+class LawInLiggghts : public testing::TestWithParam<const char*> {
+ protected:
+    void SetUp() override { setenv("TOMODEM_KERNEL", GetParam(), 1); }
+    void TearDown() override { unsetenv("TOMODEM_KERNEL"); }
+};
+
+INSTANTIATE_TEST_SUITE_P(BothKernels, LawInLiggghts, testing::Values("scalar", "vector"));
+
+TEST_P(LawInLiggghts, RepelsInTheSeedWhateverTheRate) {
+    const law::Bilin law = two_phase_model().phases[0].pair;
+    for (double distance : {0.5, 0.9, 0.99})
+        for (double rate : {-0.2, 0.2}) {
+            const double expected = law::bilin_force(law, distance, rate);
+            ASSERT_GT(expected, 0);
+            EXPECT_NEAR(force_in_liggghts(pair_of(1, 1, distance), rate), expected, relative * law.repulsive_stiffness);
+        }
+}
+
+TEST_P(LawInLiggghts, AttractsInTheCrownOnlyWhileSeparating) {
+    const law::Bilin law = two_phase_model().phases[0].pair;
+    for (double distance : {1.1, 1.3, 1.49}) {
+        const double expected = law::bilin_force(law, distance, 0.2);
+        ASSERT_LT(expected, 0);
+        EXPECT_NEAR(force_in_liggghts(pair_of(1, 1, distance), 0.2) / expected, 1, relative);
+        EXPECT_EQ(force_in_liggghts(pair_of(1, 1, distance), -0.2), 0);
+    }
+}
+
+TEST_P(LawInLiggghts, EndsAtTheCrown) {
+    EXPECT_EQ(force_in_liggghts(pair_of(1, 1, 1.51), 0.2), 0);
+}
+
+TEST_P(LawInLiggghts, TakesTheAverageOfTwoMaterials) {
+    const Model model = two_phase_model();
+    const law::Bilin law = law::mixed(model.phases[0].pair, model.phases[1].pair);
+    EXPECT_DOUBLE_EQ(law.repulsive_stiffness, (6.23e9 + 2.65e9) / 2);
+    EXPECT_NEAR(force_in_liggghts(pair_of(1, 2, 0.8), 0.1) / law::bilin_force(law, 0.8, 0.1), 1, relative);
+    EXPECT_NEAR(force_in_liggghts(pair_of(2, 1, 1.2), 0.1) / law::bilin_force(law, 1.2, 0.1), 1, relative);
+}
+
+TEST_P(LawInLiggghts, IsTheSameAlongEveryLoadingAxis) {
+    const double along_z = force_in_liggghts(pair_of(1, 1, 0.8), 0.1, 2);
+    EXPECT_NEAR(force_in_liggghts(pair_of(1, 1, 0.8), 0.1, 0) / along_z, 1, relative);
+    EXPECT_NEAR(force_in_liggghts(pair_of(1, 1, 0.8), 0.1, 1) / along_z, 1, relative);
+}
+
+TEST_P(LawInLiggghts, ScalesWithTheSectionForASampleOfAnotherSize) {
+    // A sample 50 times smaller under the same stresses: forces are 2500 times smaller.
+    const double reference = force_in_liggghts(pair_of(1, 1, 0.8), 0.1);
+    EXPECT_NEAR(force_in_liggghts(pair_of(1, 1, 0.8 / 50, 0.01), 0.1 / 50) * 2500 / reference, 1, relative);
+}
+
+TEST_P(LawInLiggghts, ActsBetweenParticleAndPlane) {
+    Packing pair = pair_of(1, 1, 1);
+    pair.position = {Vec3(0, 0, 0), Vec3(0, 0, 10)};
+    const Model model = two_phase_model();
+    const law::Bilin law{model.seed_radius, model.crown_radius, 6.23e9, 6.23e8};
+    for (double distance : {0.3, 0.45, 0.55, 0.7, 0.76}) {
+        for (double speed_away : {-0.2, 0.2}) {
+            Simulation simulation(pair, model, 2, MPI_COMM_WORLD);
+            simulation.place_planes();
+            // The planes start one seed radius outside and close by a strain: the distance to both is then `distance`.
+            simulation.set_loading(std::log(1 + 2 * (distance - model.seed_radius) / 10), 0);
+            const auto forces = simulation.forces_at({Vec3(0, 0, speed_away), Vec3(0, 0, -speed_away)});
+            const double expected = law::bilin_force(law, distance, speed_away);
+            EXPECT_NEAR(forces[0].z(), expected, relative * law.repulsive_stiffness) << distance << ' ' << speed_away;
+            EXPECT_NEAR(forces[1].z(), -expected, relative * law.repulsive_stiffness) << distance << ' ' << speed_away;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace tomodem
