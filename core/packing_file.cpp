@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -180,6 +181,20 @@ class Writer {
         check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source, target, H5P_DEFAULT, rows.front().data()), failure_);
         check(H5Fflush(file_, H5F_SCOPE_LOCAL), failure_);
     }
+    /// A [rows][3] dataset without data of its own that shows one frame of another dataset of this file.
+    void frame_view(hid_t parent, const std::string& name, const char* source, hsize_t index, hsize_t frames,
+                    hsize_t rows) {
+        const hsize_t whole[] = {frames, rows, 3};
+        const hsize_t offset[] = {index, 0, 0};
+        const hsize_t count[] = {1, rows, 3};
+        Handle slab(H5Screate_simple(3, whole, nullptr), H5Sclose, failure_);
+        check(H5Sselect_hyperslab(slab, H5S_SELECT_SET, offset, nullptr, count, nullptr), failure_);
+        Handle view(H5Screate_simple(2, count + 1, nullptr), H5Sclose, failure_);
+        const Handle creation = untimed(H5P_DATASET_CREATE);
+        check(H5Pset_virtual(creation, view, ".", source, slab), failure_);
+        Handle dataset(H5Dcreate2(parent, name.c_str(), H5T_IEEE_F64LE, view, H5P_DEFAULT, creation, H5P_DEFAULT),
+                       H5Dclose, failure_);
+    }
     void close() {
         if (!file_.close()) throw InvalidInput(fmt::format("{}: {}", failure_, hdf5_reason()));
     }
@@ -187,7 +202,7 @@ class Writer {
  private:
     Handle created(const fs::path& where) {
         Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, failure_);
-        check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18), failure_);
+        check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110), failure_);  // views need 1.10
         check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), failure_);
         check(H5Pset_file_locking(access, false, true), failure_);  // the part file is ours alone
         const Handle creation = untimed(H5P_FILE_CREATE);
@@ -720,6 +735,15 @@ void RunWriter::commit() {
         }
     }
     state_->positions.reset();
+    {
+        const Handle views = writer.group(writer.file(), "xdmf");
+        std::vector<std::int32_t> vertex(state_->particles);
+        std::iota(vertex.begin(), vertex.end(), 0);
+        writer.dataset(views, "vertex", {vertex.size()}, vertex.data());
+        for (std::size_t f = 0; f < state_->step.size(); ++f)
+            writer.frame_view(views, fmt::format("position_{}", f), positions_path, f, state_->step.size(),
+                              state_->particles);
+    }
     writer.close();
     state_->output.flush();
 

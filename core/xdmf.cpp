@@ -32,20 +32,22 @@ std::string scalar(const std::string& name, const std::string& array, int bytes,
         name, bytes, content.particles, xml_escaped(content.h5_name), array);
 }
 
+/// VTK's two readers agree on plain arrays only: the newer one passes over an ItemType="HyperSlab" of the run's
+/// positions and makes no cells of a Polyvertex without indices. Hence the arrays of the group /xdmf.
 std::string grid(std::size_t frame, const XdmfContent& content) {
     const std::size_t n = content.particles;
+    const std::string h5 = xml_escaped(content.h5_name);
     std::string text = fmt::format(
         R"(      <Grid Name="particles" GridType="Uniform">
-        <Time Value="{}"/>
-        <Topology TopologyType="Polyvertex" NumberOfElements="{}" NodesPerElement="1"/>
+        <Time Value="{0}"/>
+        <Topology TopologyType="Polyvertex" NumberOfElements="{1}" NodesPerElement="1">
+          <DataItem Format="HDF" NumberType="Int" Precision="4" Dimensions="{1}">{2}:/xdmf/vertex</DataItem>
+        </Topology>
         <Geometry GeometryType="XYZ">
-          <DataItem ItemType="HyperSlab" Dimensions="1 {} 3">
-            <DataItem Format="XML" NumberType="Int" Dimensions="3 3">{} 0 0 1 1 1 1 {} 3</DataItem>
-            <DataItem Format="HDF" NumberType="Float" Precision="8" Dimensions="{} {} 3">{}:/particles/all/position/value</DataItem>
-          </DataItem>
+          <DataItem Format="HDF" NumberType="Float" Precision="8" Dimensions="{1} 3">{2}:/xdmf/position_{3}</DataItem>
         </Geometry>
 )",
-        content.times[frame], n, n, frame, n, content.times.size(), n, xml_escaped(content.h5_name));
+        content.times[frame], n, h5, frame);
     text += scalar("species", "species", 4, content);
     text += scalar("id", "id", 8, content);
     if (content.has_objects) text += scalar("object", "object", 4, content);
