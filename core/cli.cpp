@@ -41,9 +41,14 @@ RunningTool& running() {
 std::string shell_quoted(const std::string& word) {
     static const std::string plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
     if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-    std::string quoted = "'";
-    for (char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-    return quoted + "'";
+    std::string quoted;
+    for (char c : word) {
+        if (c == '\'')
+            quoted += "'\\''";
+        else
+            quoted += c;
+    }
+    return fmt::format("'{}'", quoted);
 }
 
 std::string unit_text(Unit unit) {
@@ -322,8 +327,6 @@ bool parse(int argc, const char* const* argv, const Usage& usage) {
             else if (arguments[k].required)
                 throw WrongUsage(fmt::format("{} is required ({}); see {} --help", arguments[k].name, arguments[k].help,
                                              usage.tool()));
-            if (options[k]->count() > 1 && arguments[k].kind != Argument::Kind::flag)
-                throw WrongUsage(fmt::format("{} is given {} times", arguments[k].name, options[k]->count()));
             if (flags[k] && arguments[k].kind == Argument::Kind::flag) words[k] = {"true"};
             continue;
         }
@@ -489,6 +492,9 @@ Usage& Usage::example(const std::string& command) {
 
 int run_tool(int argc, const char* const* argv, const Usage& usage, const std::function<void()>& run) {
     RunningTool& tool = running();
+    const bool silent = tool.silent;
+    tool = {};
+    tool.silent = silent;
     tool.name = usage.tool();
     tool.provenance.tool = usage.tool();
     tool.provenance.version = TOMODEM_VERSION;

@@ -1,0 +1,127 @@
+#include "core/cli.hpp"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace tomodem::cli {
+namespace {
+
+using testing::HasSubstr;
+using testing::internal::CaptureStderr;
+using testing::internal::CaptureStdout;
+using testing::internal::GetCapturedStderr;
+using testing::internal::GetCapturedStdout;
+
+struct Request {
+    std::filesystem::path input, output;
+    double radius = 1.0;
+    std::int64_t count = 10;
+    std::string filter = "box";
+    bool deep = false;
+};
+
+Usage usage(Request& request) {
+    return Usage("try", "Try the command line.")
+        .input("INPUT", request.input, "what to read")
+        .output("OUTPUT", request.output, "what to write")
+        .option("--radius", request.radius, Unit::length, positive, "probe radius")
+        .option("--count", request.count, Unit::particles, Range{1, 1000}, "how many")
+        .choice("--filter", request.filter, {"box", "nearest"}, "which filter")
+        .flag("--deep", request.deep, "look deeper")
+        .exclusive({"--count", "--deep"})
+        .example("try in out --radius 2um");
+}
+
+struct Outcome {
+    int status;
+    std::string out, err;
+    Request request;
+};
+
+Outcome call(
+    std::vector<std::string> words, const std::function<void()>& work = [] {}) {
+    Outcome outcome;
+    words.insert(words.begin(), "try");
+    std::vector<const char*> arguments;
+    for (const auto& word : words) arguments.push_back(word.c_str());
+    CaptureStdout();
+    CaptureStderr();
+    outcome.status = run_tool(static_cast<int>(arguments.size()), arguments.data(), usage(outcome.request), work);
+    outcome.out = GetCapturedStdout();
+    outcome.err = GetCapturedStderr();
+    return outcome;
+}
+
+TEST(CommandLine, StoresValuesWithTheirUnits) {
+    const Outcome outcome =
+        call({"/etc/hostname", "out.h5", "--radius", "2.4um", "--count", "1e2", "--filter", "nearest"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_DOUBLE_EQ(outcome.request.radius, 2.4e-3);
+    EXPECT_EQ(outcome.request.count, 100);
+    EXPECT_EQ(outcome.request.filter, "nearest");
+    EXPECT_EQ(outcome.request.output, "out.h5");
+}
+
+TEST(CommandLine, WrongUsageIsOneLineAndStatusTwo) {
+    const auto wrong = [](std::vector<std::string> words, const std::string& what) {
+        const Outcome outcome = call(std::move(words));
+        EXPECT_EQ(outcome.status, 2);
+        EXPECT_THAT(outcome.err, HasSubstr(what));
+        EXPECT_THAT(outcome.err, testing::StartsWith("try: "));
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    };
+    wrong({}, "expected 2 files (INPUT, OUTPUT) but got 0");
+    wrong({"/etc/hostname", "out", "--radius", "2.4"}, "no unit");
+    wrong({"/etc/hostname", "out", "--radius", "-1um"}, "--radius -1um is out of range: expected more than 0");
+    wrong({"/etc/hostname", "out", "--count", "2.5"}, "not a whole number");
+    wrong({"/etc/hostname", "out", "--count", "2000"}, "at least 1 and at most 1000");
+    wrong({"/etc/hostname", "out", "--filter", "cone"}, "not one of box, nearest");
+    wrong({"/etc/hostname", "out", "--depth", "3"}, "--depth");
+    wrong({"/etc/hostname", "out", "--count", "3", "--deep"}, "exclude each other");
+    wrong({"/etc/hostname", "out", "--count", "3", "--count", "4"}, "--count: At Most 1 required but received 2");
+}
+
+TEST(CommandLine, FailureIsOneLineAndStatusOne) {
+    const Outcome missing = call({"/nowhere/in.h5", "out"});
+    EXPECT_EQ(missing.status, 1);
+    EXPECT_EQ(missing.err, "try: cannot read INPUT '/nowhere/in.h5': there is no such file or folder\n");
+    const Outcome folder = call({"/etc/hostname", "/nowhere/out.h5"});
+    EXPECT_EQ(folder.status, 1);
+    EXPECT_THAT(folder.err, HasSubstr("folder '/nowhere' does not exist"));
+    const Outcome failed = call({"/etc/hostname", "out"}, [] { throw InvalidInput("broken; mend it"); });
+    EXPECT_EQ(failed.status, 1);
+    EXPECT_EQ(failed.err, "try: broken; mend it\n");
+}
+
+TEST(CommandLine, HelpNamesUnitsRangesDefaultsAndAnExample) {
+    const Outcome outcome = call({"--help"});
+    EXPECT_EQ(outcome.status, 0);
+    for (const char* text : {"usage: try INPUT OUTPUT", "more than 0; default 1mm", "box|nearest",
+                             "try in out --radius 2um", "--json", "--threads"})
+        EXPECT_THAT(outcome.out, HasSubstr(text));
+}
+
+TEST(CommandLine, ReportsGoToStandardOutputAndToJson) {
+    const auto file = std::filesystem::temp_directory_path() / ("tomodem-cli-" + std::to_string(getpid()) + ".json");
+    const Outcome outcome = call({"/etc/hostname", "out", "--json", file.string()}, [] {
+        report("enclosed_volume", 1.5, "mm^3");
+        report("particles", std::int64_t{12});
+    });
+    EXPECT_THAT(outcome.out, HasSubstr("enclosed_volume: 1.5 mm^3\nparticles: 12\n"));
+    std::ifstream stream(file);
+    const auto summary = nlohmann::json::parse(stream);
+    EXPECT_EQ(summary["tool"], "try");
+    EXPECT_EQ(summary["enclosed_volume"], 1.5);
+    EXPECT_EQ(summary["units"]["enclosed_volume"], "mm^3");
+    EXPECT_EQ(summary["particles"], 12);
+    EXPECT_GT(summary["peak_bytes"], 0);
+    EXPECT_THAT(std::string(summary["command_line"]), HasSubstr("try /etc/hostname out --json"));
+    std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace tomodem::cli

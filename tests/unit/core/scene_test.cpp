@@ -1,0 +1,111 @@
+#include "core/scene.hpp"
+
+#include <gmock/gmock.h>
+
+#include "core/error.hpp"
+
+namespace tomodem {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+const std::string whole = R"(seed_radius = 0.5
+
+[phase.matrix]
+label = 1
+law = "bilin"
+norton = { K = 95.9, M = 2.45e-3 }
+
+[phase.inclusion]
+label = 2
+law = "bilin"
+repulsive_stiffness = 2.65e9
+natural_period = "800 ms"
+objects = true
+
+[contact]
+self_contact = false
+healing_time = inf
+
+[load]
+axis = "x"
+steps = [ { strain = -0.1, rate = 1e-3 }, { strain = -0.3, rate = "1e-4 1/s" } ]
+
+[accuracy]
+time_step = "auto"
+averaging_strain = 0.02
+frames = 12
+)";
+
+/// The whole scene with one piece of it replaced.
+std::string with(const std::string& piece, const std::string& replacement) {
+    std::string text = whole;
+    const std::size_t at = text.find(piece);
+    EXPECT_NE(at, std::string::npos) << piece;
+    return text.replace(at, piece.size(), replacement);
+}
+
+void expect_refused(const std::string& text, const std::string& line, const std::string& what) {
+    EXPECT_THAT([&] { parse_scene(text, "s.toml"); },
+                ThrowsMessage<InvalidInput>(AllOf(HasSubstr("scene 's.toml' line " + line + ":"), HasSubstr(what))));
+}
+
+TEST(Scene, IsReadWhole) {
+    const Scene scene = parse_scene(whole, "s.toml");
+    ASSERT_EQ(scene.phases.size(), 2u);
+    EXPECT_EQ(scene.phase(1).name, "matrix");
+    EXPECT_DOUBLE_EQ(scene.phase(1).norton->consistency, 95.9);
+    EXPECT_DOUBLE_EQ(*scene.phase(2).natural_period, 0.8);
+    EXPECT_TRUE(scene.phase(2).objects);
+    EXPECT_EQ(scene.axis, 0);
+    ASSERT_EQ(scene.steps.size(), 2u);
+    EXPECT_DOUBLE_EQ(scene.steps[1].rate, 1e-4);
+    EXPECT_DOUBLE_EQ(scene.highest_rate(), 1e-3);
+    EXPECT_DOUBLE_EQ(scene.path_length(), 0.3);
+    EXPECT_FALSE(scene.time_step.has_value());
+    EXPECT_EQ(scene.frames, 12);
+    EXPECT_DOUBLE_EQ(scene.crown_radius, 0.75);
+}
+
+TEST(Scene, NamesTheLineOfAnUnknownKey) {
+    expect_refused(with("objects = true", "object = true"), "13", "unknown key 'object' in [phase.inclusion]");
+    expect_refused(with("frames", "frame"), "26", "unknown key 'frame' in [accuracy]");
+    expect_refused(with("K = 95.9", "k = 95.9"), "6", "norton needs both K");
+}
+
+TEST(Scene, RefusesAQuantityWithoutUnit) {
+    expect_refused(with("\"800 ms\"", "\"800\""), "12", "no unit");
+    expect_refused(with("\"800 ms\"", "\"800 um\""), "12", "um");
+}
+
+TEST(Scene, RefusesBilinInTension) {
+    expect_refused(with("strain = -0.3", "strain = -0.05"), "21", "from strain -0.1 to -0.05 is tension");
+    expect_refused(with("strain = -0.1", "strain = 0.1"), "21", "is tension");
+}
+
+TEST(Scene, RefusesValuesOutOfRange) {
+    expect_refused(with("seed_radius = 0.5", "seed_radius = 0"), "1", "expected more than 0");
+    expect_refused(with("rate = 1e-3", "rate = -1e-3"), "21", "expected more than 0");
+    expect_refused(with("frames = 12", "frames = 0"), "26", "at least 1");
+    expect_refused(with("label = 2", "label = 1"), "3", "belongs to another phase");
+    expect_refused(with("\"x\"", "\"w\""), "20", "axis must be");
+}
+
+TEST(Scene, RefusesAPhaseWithTwoDescriptionsOrNone) {
+    expect_refused(with("objects = true", "norton = { K = 1, M = 0.1 }"), "8", "either norton");
+    expect_refused(with("natural_period = \"800 ms\"", ""), "8", "either norton");
+}
+
+TEST(Scene, RefusesASyntaxErrorWithItsLine) {
+    expect_refused(with("label = 1", "label = "), "4", "");
+}
+
+TEST(Scene, RefusesALabelThatNoPhaseHas) {
+    const Scene scene = parse_scene(whole, "s.toml");
+    EXPECT_THAT([&] { scene.phase(3); }, ThrowsMessage<InvalidInput>(HasSubstr("no phase with label 3")));
+}
+
+}  // namespace
+}  // namespace tomodem
