@@ -17,6 +17,7 @@
 #include <functional>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/packing_file.hpp"
@@ -43,14 +44,15 @@ std::vector<Vec3> shaken_lattice(std::size_t count) {
     return points;
 }
 
-double volume_by_alpha_shape_3(const std::vector<Vec3>& centres, double probe_radius) {
-    using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-    using Structure = CGAL::Triangulation_data_structure_3<CGAL::Alpha_shape_vertex_base_3<Kernel>,
-                                                           CGAL::Alpha_shape_cell_base_3<Kernel>>;
-    using Shape = CGAL::Alpha_shape_3<CGAL::Delaunay_triangulation_3<Kernel, Structure>>;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Structure = CGAL::Triangulation_data_structure_3<CGAL::Alpha_shape_vertex_base_3<Kernel>,
+                                                       CGAL::Alpha_shape_cell_base_3<Kernel>>;
+using Shape = CGAL::Alpha_shape_3<CGAL::Delaunay_triangulation_3<Kernel, Structure>>;
+
+double volume_by_alpha_shape_3(const std::vector<Vec3>& centres, double probe_radius, Shape::Mode mode) {
     std::vector<Kernel::Point_3> points;
     for (const Vec3& c : centres) points.emplace_back(c.x(), c.y(), c.z());
-    const Shape shape(points.begin(), points.end(), probe_radius * probe_radius, Shape::REGULARIZED);
+    const Shape shape(points.begin(), points.end(), probe_radius * probe_radius, mode);
     double volume = 0.0;
     for (auto cell : shape.finite_cell_handles())
         if (shape.classify(cell) == Shape::INTERIOR) volume += shape.tetrahedron(cell).volume();
@@ -102,12 +104,16 @@ int main(int argc, char** argv) {
         centres = shaken_lattice(std::stoul(what));
     }
     const Cost ours = measured([&] { return alpha_surface(centres, {.probe_radius = probe_radius}).volume; });
-    const Cost theirs = measured([&] { return volume_by_alpha_shape_3(centres, probe_radius); });
     std::printf("%zu particles, probe radius %g mm\n", centres.size(), probe_radius);
-    std::printf("%-14s %8s %10s %14s\n", "", "time/s", "memory/MB", "volume/mm^3");
-    std::printf("%-14s %8.2f %10.0f %14.3f\n", "alpha_surface", ours.seconds, ours.bytes / 1e6, ours.volume);
-    std::printf("%-14s %8.2f %10.0f %14.3f\n", "Alpha_shape_3", theirs.seconds, theirs.bytes / 1e6, theirs.volume);
-    std::printf("%-14s %8.2f %10.2f %14.1e\n", "ratio", theirs.seconds / ours.seconds, theirs.bytes / ours.bytes,
-                theirs.volume / ours.volume - 1.0);
+    std::printf("%-28s %8s %10s %14s %8s %8s\n", "", "time/s", "memory/MB", "volume/mm^3", "x time", "x memory");
+    const auto row = [&](const char* name, const Cost& cost) {
+        std::printf("%-28s %8.2f %10.0f %14.3f %8.1f %8.1f\n", name, cost.seconds, cost.bytes / 1e6, cost.volume,
+                    cost.seconds / ours.seconds, cost.bytes / ours.bytes);
+        std::fflush(stdout);
+    };
+    row("alpha_surface", ours);
+    for (const auto& [name, mode] : {std::pair("Alpha_shape_3, regularized", Shape::REGULARIZED),
+                                     std::pair("Alpha_shape_3, general", Shape::GENERAL)})
+        row(name, measured([&] { return volume_by_alpha_shape_3(centres, probe_radius, mode); }));
     return 0;
 }
