@@ -1,0 +1,101 @@
+#include "tools/phantom/grains.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "core/error.hpp"
+
+namespace tomodem {
+namespace {
+
+double sphere_diameter(double volume) {
+    return std::cbrt(6 * volume / std::numbers::pi);
+}
+
+Grain sphere_of_volume(double volume) {
+    return {{{Vec3::Zero(), sphere_diameter(volume) / 2}}};
+}
+
+void scale(Grain& grain, double factor) {
+    for (Sphere& sphere : grain.spheres) {
+        sphere.centre *= factor;
+        sphere.radius *= factor;
+    }
+}
+
+/// Volumes drawn one after the other until their sum is as near to `total` as it gets, then scaled to meet it.
+std::vector<double> volumes_of_sum(double total, const std::function<double()>& draw) {
+    std::vector<double> volumes;
+    double sum = 0;
+    for (;;) {
+        constexpr std::size_t most = 2'000'000;
+        if (volumes.size() == most)
+            throw InvalidInput(fmt::format("the fraction asks for more than {} grains; make them larger", most));
+        const double next = draw();
+        if (sum + next > total && (sum + next - total >= total - sum) && !volumes.empty()) break;
+        volumes.push_back(next);
+        sum += next;
+        if (sum > total) break;
+    }
+    const double factor = total / sum;
+    if (factor < 0.5)
+        throw InvalidInput(
+            fmt::format("one grain of {:.4g} mm diameter is already more than the fraction asked for; make the "
+                        "grains smaller or the volume larger",
+                        sphere_diameter(volumes[0])));
+    for (double& volume : volumes) volume *= factor;
+    return volumes;
+}
+
+/// 3 to 5 overlapping spheres around a corner, like the branches of a shrinkage pore.
+Grain draw_cluster(double volume, Random& random) {
+    const int count = 3 + static_cast<int>(random.uniform(0, 3));
+    Grain grain{{{Vec3::Zero(), 1.0}}};
+    for (int i = 1; i < count; ++i) {
+        const Sphere& stem = grain.spheres[static_cast<std::size_t>(random.uniform(0, static_cast<double>(i)))];
+        const double radius = random.uniform(0.6, 1.0);
+        grain.spheres.push_back({stem.centre + random.uniform(1.0, 1.3) * stem.radius * random.direction(), radius});
+    }
+    scale(grain, std::cbrt(volume / grain_volume(grain)));
+    return grain;
+}
+
+}  // namespace
+
+std::vector<Grain> draw_inclusions(const InclusionRequest& request, double volume, Random& random) {
+    std::vector<double> volumes;
+    const auto draw = [&] {
+        const double diameter = random.uniform((*request.diameter)[0], (*request.diameter)[1]);
+        return std::numbers::pi / 6 * diameter * diameter * diameter;
+    };
+    if (request.fraction && request.count && !request.diameter)
+        volumes.assign(*request.count, *request.fraction * volume / static_cast<double>(*request.count));
+    else if (request.fraction && request.diameter && !request.count)
+        volumes = volumes_of_sum(*request.fraction * volume, draw);
+    else if (request.count && request.diameter && !request.fraction)
+        for (std::int64_t i = 0; i < *request.count; ++i) volumes.push_back(draw());
+    else
+        throw WrongUsage("give two of --fraction, --count and --diameter");
+    std::vector<Grain> grains;
+    for (const double one : volumes) grains.push_back(sphere_of_volume(one));
+    return grains;
+}
+
+std::vector<Grain> draw_pores(const PoreRequest& request, double volume, Random& random) {
+    const auto volumes = volumes_of_sum(request.porosity * volume, [&] {
+        double deviation = random.normal();
+        while (std::abs(deviation) > 2.5) deviation = random.normal();
+        const double diameter = request.median_diameter * std::exp(request.spread * deviation);
+        return std::numbers::pi / 6 * diameter * diameter * diameter;
+    });
+    std::vector<Grain> grains;
+    for (const double one : volumes)
+        grains.push_back(random.uniform(0, 1) < request.cluster_share ? draw_cluster(one, random)
+                                                                      : sphere_of_volume(one));
+    return grains;
+}
+
+}  // namespace tomodem

@@ -1,0 +1,79 @@
+// phantom_inclusions: spherical inclusions (label 2) in a matrix (label 1), with their truth.
+#include "core/cli.hpp"
+#include "core/units.hpp"
+#include "core/volume_cli.hpp"
+#include "tools/phantom/grains.hpp"
+#include "tools/phantom/truth.hpp"
+
+namespace {
+using namespace tomodem;
+
+struct Request {
+    std::filesystem::path volume, truth;
+    std::string size = "100", diameter;
+    double voxel_size = 0.0, fraction = 0.0, gap = 2.0;
+    std::int64_t count = 0, random_seed = 1;
+};
+
+cli::Usage usage(Request& request) {
+    return cli::Usage("phantom_inclusions",
+                      "Synthetic tomography: spherical inclusions (label 2) in a matrix (label 1).")
+        .output("volume", request.volume, "label volume to write (.tif); its truth goes into the .json beside it")
+        .option("--size", request.size, "voxels along each edge, as 100 or 100x100x150")
+        .required("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive, "edge of a voxel")
+        .option("--fraction", request.fraction, cli::Unit::fraction, {0, 1, false, false}, "volume of the inclusions")
+        .option("--count", request.count, cli::Unit::none, cli::positive, "number of inclusions")
+        .option("--diameter", request.diameter, "diameter of the inclusions, as 60um, or its range, as 40um:80um")
+        .option("--gap", request.gap, cli::Unit::voxels, cli::not_negative,
+                "least distance of an inclusion to the others and to the faces; below 2 they may touch in the voxels")
+        .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,
+                "another one, another phantom")
+        .output_option("--truth", request.truth, "where the truth goes instead (.json)")
+        .example("phantom_inclusions composite.tif --voxel-size 2.4um --fraction 0.2 --count 20")
+        .example(
+            "phantom_inclusions composite.tif --size 200x200x300 --voxel-size 2.4um --fraction 0.1 "
+            "--diameter 40um:80um");
+}
+
+std::optional<std::array<double, 2>> diameters(const std::string& text) {
+    if (text.empty()) return {};
+    try {
+        const auto colon = text.find(':');
+        const double low = units::length(text.substr(0, colon));
+        const double high = colon == std::string::npos ? low : units::length(text.substr(colon + 1));
+        if (!(low > 0) || high < low) throw InvalidInput("expected 0 < least <= largest");
+        return {{low, high}};
+    } catch (const InvalidInput& error) {
+        throw WrongUsage("--diameter '" + text + "': " + error.what());
+    }
+}
+
+void run(const Request& request) {
+    InclusionRequest wanted;
+    if (cli::given("--fraction")) wanted.fraction = request.fraction;
+    if (cli::given("--count")) wanted.count = request.count;
+    wanted.diameter = diameters(request.diameter);
+    const VoxelIndex size = parse_size("--size", request.size);
+    const auto truth_file = truth_path(request.volume, request.truth);
+    const Vec3 edges = request.voxel_size * Vec3(size[0], size[1], size[2]);
+
+    Random random(static_cast<std::uint64_t>(request.random_seed));
+    const auto drawn = draw_inclusions(wanted, edges.prod(), random);
+    const auto grains = place_without_overlap(drawn, edges, request.gap * request.voxel_size, random);
+    const Raster raster = rasterise(grains, size, request.voxel_size, 2, 1);
+
+    double volume = 0;
+    for (const Grain& grain : grains) volume += grain_volume(grain);
+    const double fraction = volume / edges.prod();
+    auto truth = truth_of(raster.volume, request.random_seed, {{1, "matrix"}, {2, "inclusion"}},
+                          {{1, 1 - fraction}, {2, fraction}});
+    truth["count"] = grains.size();
+    truth["objects"] = grains_truth(grains, raster.voxels, 2, request.voxel_size);
+    cli::report("count", static_cast<std::int64_t>(grains.size()));
+    write_phantom(raster.volume, request.volume, truth, truth_file);
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+    return cli::main(argc, argv, usage, run);
+}
