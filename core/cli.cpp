@@ -152,11 +152,12 @@ std::string reference_page(const Usage& usage) {
     for (const auto& argument : usage.arguments()) {
         std::string name = argument.name;
         if (!positional(argument) && argument.kind != Argument::Kind::flag) name += " " + placeholder(argument);
-        std::string cell = fmt::format("| `{}` | {} |\n", name, full_help(argument));
-        for (std::size_t bar = cell.find('|', 2); bar != std::string::npos && bar < name.size() + 3;
-             bar = cell.find('|', bar + 2))
-            cell.insert(bar, "\\");
-        out << cell;
+        std::string escaped;  // a bar would end the table's cell
+        for (char c : name) {
+            if (c == '|') escaped += '\\';
+            escaped += c;
+        }
+        out << fmt::format("| `{}` | {} |\n", escaped, full_help(argument));
     }
     for (const auto& example : usage.examples()) out << "\n    " << example << '\n';
     return out.str();
