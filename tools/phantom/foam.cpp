@@ -34,16 +34,27 @@ Polyhedron cube(double half) {
     return faces;
 }
 
-/// Keeps the part where normal . x <= offset.
-void clip(Polyhedron& faces, const Vec3& normal, double offset) {
+/// Keeps the part where normal . x <= offset. Corners nearer to the plane than `same` lie on it.
+void clip(Polyhedron& faces, const Vec3& normal, double offset, double same) {
+    const double length = normal.norm();
+    const auto above = [&](const Vec3& point) {
+        const double height = (normal.dot(point) - offset) / length;
+        return std::abs(height) < same ? 0.0 : height;
+    };
+    bool cuts = false;
+    for (const auto& face : faces)
+        for (const Vec3& corner : face) cuts = cuts || above(corner) > 0;
+    if (!cuts) return;
+
     Polyhedron kept;
-    std::vector<Vec3> cut;  // corners of the new face, each met on two faces
+    std::vector<Vec3> cut;  // corners of the new face, each met on two faces or more
     for (const auto& face : faces) {
         std::vector<Vec3> loop;
         for (std::size_t i = 0; i < face.size(); ++i) {
             const Vec3 &here = face[i], &next = face[(i + 1) % face.size()];
-            const double a = normal.dot(here) - offset, b = normal.dot(next) - offset;
+            const double a = above(here), b = above(next);
             if (a <= 0) loop.push_back(here);
+            if (a == 0) cut.push_back(here);
             if ((a < 0 && b > 0) || (a > 0 && b < 0)) {
                 loop.push_back(here + a / (a - b) * (next - here));
                 cut.push_back(loop.back());
@@ -51,19 +62,15 @@ void clip(Polyhedron& faces, const Vec3& normal, double offset) {
         }
         if (loop.size() >= 3) kept.push_back(std::move(loop));
     }
-    if (cut.size() >= 3) {
-        Vec3 centre = Vec3::Zero();
-        for (const Vec3& corner : cut) centre += corner / static_cast<double>(cut.size());
-        const Vec3 u = normal.unitOrthogonal(), v = normal.normalized().cross(u);
-        const auto angle = [&](const Vec3& point) { return std::atan2(v.dot(point - centre), u.dot(point - centre)); };
-        std::sort(cut.begin(), cut.end(), [&](const Vec3& a, const Vec3& b) { return angle(a) < angle(b); });
-        const double same = 1e-9 * (cut.front() - centre).norm();
-        cut.erase(
-            std::unique(cut.begin(), cut.end(), [&](const Vec3& a, const Vec3& b) { return (a - b).norm() < same; }),
-            cut.end());
-        while (cut.size() > 1 && (cut.front() - cut.back()).norm() < same) cut.pop_back();
-        if (cut.size() >= 3) kept.push_back(std::move(cut));
-    }
+    Vec3 centre = Vec3::Zero();
+    for (const Vec3& corner : cut) centre += corner / static_cast<double>(cut.size());
+    const Vec3 u = normal.unitOrthogonal(), v = normal.normalized().cross(u);
+    const auto angle = [&](const Vec3& point) { return std::atan2(v.dot(point - centre), u.dot(point - centre)); };
+    std::sort(cut.begin(), cut.end(), [&](const Vec3& a, const Vec3& b) { return angle(a) < angle(b); });
+    const auto equal = [&](const Vec3& a, const Vec3& b) { return (a - b).norm() < 2 * same; };
+    cut.erase(std::unique(cut.begin(), cut.end(), equal), cut.end());
+    while (cut.size() > 1 && equal(cut.front(), cut.back())) cut.pop_back();
+    if (cut.size() >= 3) kept.push_back(std::move(cut));
     faces = std::move(kept);
 }
 
@@ -151,7 +158,7 @@ std::vector<Strut> foam_struts(const Vec3& edges, double cell, double irregulari
         Polyhedron faces = cube(1.5 * cell);
         for (const auto& [distance, line] : neighbours) {
             if (distance / 2 > farthest_corner(faces)) break;
-            clip(faces, line, line.squaredNorm() / 2);
+            clip(faces, line, line.squaredNorm() / 2, 1e-9 * cell);
         }
         for (const auto& face : faces)
             for (std::size_t k = 0; k < face.size(); ++k) {

@@ -148,7 +148,7 @@ double grain_volume(const Grain& grain) {
         high = high.cwiseMax(sphere.centre + Vec3::Constant(sphere.radius));
     }
     // Along each column of a fine grid the union of the spheres' chords is exact.
-    constexpr int columns = 400;
+    constexpr int columns = 200;
     const double dx = (high[0] - low[0]) / columns, dy = (high[1] - low[1]) / columns;
     double volume = 0;
     std::vector<std::pair<double, double>> chords;
