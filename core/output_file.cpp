@@ -2,10 +2,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
-#include <cstring>
 #include <system_error>
 
 #include "core/error.hpp"
@@ -24,6 +26,41 @@ int synchronise(const fs::path& path, int flags) {
     if (descriptor < 0) return errno;
     const int code = ::fsync(descriptor) == 0 ? 0 : errno;
     return ::close(descriptor) == 0 || code != 0 ? code : errno;
+}
+
+/// Files that a signal must not leave behind; as many as a tool ever has open at once, and more.
+std::array<std::atomic<const char*>, 64> unfinished{};
+
+extern "C" void remove_unfinished(int signal_number) {
+    for (const auto& path : unfinished)
+        if (const char* name = path.load()) ::unlink(name);
+    ::raise(signal_number);  // with SA_RESETHAND: ends the process as the signal would have
+}
+
+/// Ctrl-C, kill and a closed terminal; a handler of somebody else's, or "ignore" (nohup), stays.
+void catch_signals() {
+    static const bool once = [] {
+        for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+            struct sigaction action {};
+            if (::sigaction(number, nullptr, &action) != 0 || action.sa_handler != SIG_DFL) continue;
+            action.sa_handler = remove_unfinished;
+            action.sa_flags = SA_RESETHAND | SA_NODEFER;
+            ::sigaction(number, &action, nullptr);
+        }
+        return true;
+    }();
+    (void)once;
+}
+
+void remember(const char* name) {
+    catch_signals();
+    for (auto& slot : unfinished)
+        if (const char* empty = nullptr; slot.compare_exchange_strong(empty, name)) return;
+}
+
+void forget(const char* name) {
+    for (auto& slot : unfinished)
+        if (const char* same = name; slot.compare_exchange_strong(same, nullptr)) return;
 }
 
 fs::path folder_of(const fs::path& path) {
@@ -47,9 +84,11 @@ OutputFile::OutputFile(fs::path final_path) : final_(std::move(final_path)) {
         throw InvalidInput(fmt::format("cannot write '{}': no permission to write in the folder '{}' ({})",
                                        final_.string(), folder.string(), system_text(errno)));
     part_ = folder / fmt::format(".{}.part-{}{}", final_.stem().string(), ::getpid(), final_.extension().string());
+    remember(part_.c_str());
 }
 
 OutputFile::~OutputFile() {
+    forget(part_.c_str());
     std::error_code ignored;
     if (!committed_) fs::remove(part_, ignored);
 }

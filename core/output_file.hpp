@@ -6,7 +6,8 @@ namespace tomodem {
 
 /// A file that appears complete or not at all: written beside its final place, renamed by commit().
 ///
-/// The destructor removes what was not committed, so the previous file of that name stays untouched on any error.
+/// The destructor removes what was not committed, so the previous file of that name stays untouched on any error;
+/// so do SIGINT, SIGTERM and SIGHUP before they end the process.
 class OutputFile {
  public:
     /// @throws InvalidInput if the folder does not exist or cannot be written to

@@ -55,6 +55,26 @@ refused() {
     /usr/bin/python3 "$here/read_xdmf.py" plain "moved/run one.xdmf" "moved/run one.h5"
 }
 
+@test "the example of docs/file-formats.md runs" {
+    "$write_sample_run" 7 3 run.h5
+    sed -n '/^```python$/,/^```$/{/^```/!p}' "$TOMODEM_SOURCE/docs/file-formats.md" > example.py
+    echo 'assert inclusions.shape == (3, 3) and len(strain) == len(stress) == 3' >> example.py
+    /usr/bin/python3 example.py
+}
+
+@test "a writer that is interrupted leaves nothing behind" {
+    "$write_sample_run" 200000 5000 run.h5 &
+    writer=$!
+    for _ in $(seq 100); do
+        compgen -G '.run.part-*.h5' > found && break
+        sleep 0.05
+    done
+    [ -s found ]
+    kill -TERM $writer
+    wait $writer || true
+    [ "$(ls -A)" = found ]
+}
+
 @test "a file cut in half is refused in one line" {
     "$write_sample_run" 1000 3 run.h5
     head -c $(($(stat -c %s run.h5) / 2)) run.h5 > bad.h5

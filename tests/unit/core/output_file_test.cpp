@@ -1,6 +1,7 @@
 #include "core/output_file.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/error.hpp"
@@ -73,6 +74,23 @@ TEST_F(OutputFileTest, LeavesNothingBehindWhenTheDiskIsFull) {
                         HasSubstr("cannot write '" + (folder / "a.txt").string() + "': File too large")));
     }
     EXPECT_THAT(names(), IsEmpty());
+}
+
+TEST_F(OutputFileTest, LeavesNothingBehindWhenTheProcessIsTerminated) {
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+        const pid_t child = ::fork();
+        if (child == 0) {
+            OutputFile first(folder / "a.csv"), second(folder / "b.csv");
+            put(first.path(), "half");
+            put(second.path(), "half");
+            ::raise(number);
+            ::_exit(0);
+        }
+        int status = 0;
+        ASSERT_EQ(::waitpid(child, &status, 0), child);
+        EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == number) << status;  // seen as killed, not as failed
+        EXPECT_THAT(names(), IsEmpty());
+    }
 }
 
 TEST_F(OutputFileTest, RejectsACommitOfAFileThatWasNeverWritten) {
