@@ -1,0 +1,100 @@
+# The phantoms, their truth, and what they refuse.
+
+bats_require_minimum_version 1.5.0
+
+setup() {
+    cd "$BATS_TEST_TMPDIR"
+}
+
+info() {
+    "$TOMODEM_BIN/volume_info" "$1" --voxel-size 1um --min-component 1 --json info.json --quiet
+}
+
+@test "phantom_inclusions has the fraction, the count and the separate inclusions of its truth" {
+    "$TOMODEM_BIN/phantom_inclusions" a.tif --size 100 --voxel-size 2.4um --fraction 0.2 --count 20
+    info a.tif
+    /usr/bin/python3 - <<'PYTHON'
+import json, math
+info, truth = json.load(open("info.json")), json.load(open("a.json"))
+assert truth["count"] == len(truth["objects"]) == info["components_label_2"] == 20
+assert truth["size_voxels"] == [100, 100, 100] and abs(truth["voxel_size_mm"] - 0.0024) < 1e-15
+for label in truth["labels"]:
+    assert label["voxels"] == info[f"voxels_label_{label['label']}"]
+    assert abs(label["voxel_fraction"] - label["analytic_fraction"]) < 0.002
+for inclusion in truth["objects"]:
+    assert math.isclose(inclusion["volume_mm3"], 4 / 3 * math.pi * inclusion["radius_mm"] ** 3, rel_tol=1e-9)
+    assert math.isclose(inclusion["volume_voxels"], inclusion["voxels"], rel_tol=0.02)
+    assert all(0 < x - inclusion["radius_mm"] and x + inclusion["radius_mm"] < 0.24 for x in inclusion["centre_mm"])
+PYTHON
+}
+
+@test "phantom_pores has closed pores of the porosity, some of them no spheres" {
+    "$TOMODEM_BIN/phantom_pores" a.tif --size 120x100x100 --voxel-size 10um --porosity 0.03 --median-diameter 100um \
+        --clusters 0.4
+    info a.tif
+    /usr/bin/python3 - <<'PYTHON'
+import json
+info, truth = json.load(open("info.json")), json.load(open("a.json"))
+assert info["components_label_0"] == truth["count"] and info["components_label_1"] == 1
+assert abs(info["fraction_label_0"] - 3) < 0.1
+assert 0 < sum(len(pore["spheres"]) > 1 for pore in truth["objects"]) < truth["count"]
+assert sum(pore["voxels"] for pore in truth["objects"]) == info["voxels_label_0"]
+PYTHON
+}
+
+@test "phantom_foam has its relative density within 0.2 points, in one piece with one open pore space" {
+    for density in 0.066 0.12 0.18; do
+        "$TOMODEM_BIN/phantom_foam" a.tif --size 100 --voxel-size 20um --relative-density $density --cells 2
+        info a.tif
+        DENSITY=$density /usr/bin/python3 - <<'PYTHON'
+import json, os
+info, truth = json.load(open("info.json")), json.load(open("a.json"))
+assert abs(info["fraction_label_1"] - 100 * float(os.environ["DENSITY"])) < 0.2
+assert info["components_label_1"] == truth["solid_components"] == 1
+assert info["largest_component_label_0"] > 0.999 * info["voxels_label_0"]
+PYTHON
+    done
+}
+
+@test "the same random seed gives the same bytes, another one another phantom" {
+    for kind in "inclusions --fraction 0.2 --count 9" "pores --porosity 0.02 --median-diameter 15um" \
+        "foam --relative-density 0.15 --cells 2"; do
+        set -- $kind
+        tool=$TOMODEM_BIN/phantom_$1
+        shift
+        mkdir -p one two
+        (cd one && "$tool" a.tif --size 60 --voxel-size 1um "$@" --quiet --threads 1)
+        (cd two && "$tool" a.tif --size 60 --voxel-size 1um "$@" --quiet --threads 3)
+        "$tool" other.tif --size 60 --voxel-size 1um "$@" --random-seed 7 --quiet
+        cmp one/a.tif two/a.tif
+        ! cmp -s one/a.tif other.tif
+    done
+}
+
+@test "--truth names the file of the truth" {
+    "$TOMODEM_BIN/phantom_foam" a.tif --size 40 --voxel-size 1um --relative-density 0.2 --cells 1 --truth known.json
+    [ -e known.json ]
+    [ ! -e a.json ]
+}
+
+# refused STATUS TEXT COMMAND...: one line on stderr, this exit status, no file.
+refused() {
+    local wanted_status=$1 text=$2
+    shift 2
+    run --separate-stderr "$@"
+    echo "status $status: $stderr"
+    [ "$status" -eq "$wanted_status" ]
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    [[ "$stderr" == *"$text"* ]]
+    [ -z "$(find . -name '*a.*')" ]
+}
+
+@test "refuses what cannot be made, without a file" {
+    refused 1 "do not fit" "$TOMODEM_BIN/phantom_inclusions" a.tif --size 40 --voxel-size 1um --fraction 0.7 --count 30 --quiet
+    refused 2 "two of" "$TOMODEM_BIN/phantom_inclusions" a.tif --voxel-size 1um --fraction 0.2
+    refused 2 "--diameter" "$TOMODEM_BIN/phantom_inclusions" a.tif --voxel-size 1um --count 3 --diameter 5
+    refused 2 "--size" "$TOMODEM_BIN/phantom_inclusions" a.tif --size 10x10 --voxel-size 1um --count 3 --diameter 5um
+    refused 1 "do not hold together" "$TOMODEM_BIN/phantom_foam" a.tif --size 40 --voxel-size 1um --relative-density 0.01 \
+        --cells 4 --quiet
+    refused 2 "same file" "$TOMODEM_BIN/phantom_foam" a.json --voxel-size 1um --relative-density 0.1
+}

@@ -1,0 +1,197 @@
+# vol2pack from a TIFF to a sample, and what it refuses.
+
+setup_file() {
+    cd "$BATS_FILE_TMPDIR"
+    "$TOMODEM_BIN/../tests/jittered_brick" brick.h5 --quiet
+    "$TOMODEM_BIN/phantom_inclusions" composite.tif --size 80 --voxel-size 10um --fraction 0.15 --count 8 --quiet
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR"
+    cp "$BATS_FILE_TMPDIR"/{brick.h5,composite.tif,composite.json} .
+}
+
+vol2pack() {
+    "$TOMODEM_BIN/vol2pack" "$@"
+}
+
+# refused STATUS TEXT COMMAND...: one line on stderr, this exit status, no sample.
+refused() {
+    local wanted_status=$1 text=$2
+    shift 2
+    run --separate-stderr "$@"
+    echo "status $status: $stderr"
+    [ "$status" -eq "$wanted_status" ]
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    [[ "$stderr" == "vol2pack: "*"$text"* ]]
+    [ ! -e out.h5 ]
+    [ -z "$(find . -name '.*part*')" ]
+}
+
+bats_require_minimum_version 1.5.0
+
+@test "the sample has the phases of the image within a point, and its inclusions as objects" {
+    vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 1.5 --labels 1=matrix,2=inclusion \
+        --objects 2 --json out.json
+    [ -e out.xdmf ]
+    /usr/bin/python3 - <<'PYTHON'
+import json
+import h5py
+import numpy as np
+
+report, truth = json.load(open("out.json")), json.load(open("composite.json"))
+assert [phase["name"] for phase in report["phases"]] == ["void", "matrix", "inclusion"]
+for phase in report["phases"]:
+    assert abs(phase["sample_fraction"] - phase["image_fraction"]) < 0.01, phase
+image = {label["label"]: label["voxel_fraction"] for label in truth["labels"]}
+assert abs(report["phases"][2]["image_fraction"] - image[2]) < 1e-12
+assert report["objects"] == 8 and report["objects_lost"] == 0
+
+everything = h5py.File("out.h5")["particles/all"]
+position, species = (everything[name]["value"][0] if "value" in everything[name] else everything[name][:]
+                     for name in ("position", "species"))
+object_number = everything["object"]["value"][0] if "value" in everything["object"] else everything["object"][:]
+assert len(position) == report["particles"]
+assert set(np.unique(object_number)) == set(range(9))
+assert ((object_number > 0) == (species == 2)).all()
+# Every particle of an object lies in one and the same inclusion of the truth.
+centres = np.array([inclusion["centre_mm"] for inclusion in truth["objects"]])
+radii = np.array([inclusion["radius_mm"] for inclusion in truth["objects"]])
+distance = np.linalg.norm(position[:, None, :] - centres[None], axis=2) - radii
+inside = distance.argmin(axis=1)
+assert (distance.min(axis=1)[species == 2] < 0.01).all()
+assert (distance.min(axis=1)[species == 1] > -0.01).all()
+for number in range(1, 9):
+    assert len(np.unique(inside[object_number == number])) == 1
+PYTHON
+}
+
+@test "the file is the same on one thread and on three, but for its command line" {
+    vol2pack brick.h5 composite.tif one.h5 --voxel-size 10um --pixels-per-seed 2 --filter box --threads 1 --quiet
+    vol2pack brick.h5 composite.tif three.h5 --voxel-size 10um --pixels-per-seed 2 --filter box --threads 3 --quiet
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+one, three = h5py.File("one.h5"), h5py.File("three.h5")
+def compare(name, item):
+    if isinstance(item, h5py.Dataset) and name.startswith("particles"):
+        assert (item[()] == three[name][()]).all(), name
+one.visititems(compare)
+PYTHON
+}
+
+@test "a folder of slices is read as the multipage file of the same slices" {
+    mkdir stack
+    /usr/bin/python3 - <<'PYTHON'
+from vtkmodules.vtkIOImage import vtkTIFFReader, vtkTIFFWriter
+from vtkmodules.vtkImagingCore import vtkExtractVOI
+import vtkmodules.vtkCommonCore
+reader = vtkTIFFReader()
+reader.SetFileName("composite.tif")
+reader.SetOrientationType(1)
+reader.Update()
+for k in range(80):
+    voi = vtkExtractVOI()
+    voi.SetInputConnection(reader.GetOutputPort())
+    voi.SetVOI(0, 79, 0, 79, k, k)
+    writer = vtkTIFFWriter()
+    writer.SetInputConnection(voi.GetOutputPort())
+    writer.SetFileName(f"stack/slice_{k}.tif")
+    writer.Write()
+PYTHON
+    echo "80 slices" > stack/README.md
+    "$TOMODEM_BIN/volume_info" composite.tif --voxel-size 10um > multipage.txt
+    "$TOMODEM_BIN/volume_info" stack/ --voxel-size 10um > folder.txt
+    cmp multipage.txt folder.txt
+}
+
+@test "cropping keeps the world coordinates" {
+    vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 1 --crop 10:30,20:40,30:50 \
+        --origin 1mm,0mm,0mm --quiet
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+position = h5py.File("out.h5")["particles/all/position/value"][0]
+for axis, (low, high) in enumerate([(1.1, 1.3), (0.2, 0.4), (0.3, 0.5)]):
+    assert low <= position[:, axis].min() < low + 0.02 and high - 0.02 < position[:, axis].max() <= high
+PYTHON
+}
+
+@test "refuses an image that is not there, is no TIFF, or is cut" {
+    refused 1 "none.tif" vol2pack brick.h5 none.tif out.h5 --voxel-size 1um --pixels-per-seed 2
+    echo "not a picture" > text.tif
+    refused 1 "not a TIFF" vol2pack brick.h5 text.tif out.h5 --voxel-size 1um --pixels-per-seed 2
+    head -c $(($(stat -c %s composite.tif) / 2)) composite.tif > cut.tif
+    refused 1 "cut or damaged" vol2pack brick.h5 cut.tif out.h5 --voxel-size 1um --pixels-per-seed 2
+}
+
+@test "refuses folders without slices, with a gap, or with slices of different size" {
+    mkdir stack
+    refused 1 "no slice" vol2pack brick.h5 stack out.h5 --voxel-size 1um --pixels-per-seed 2
+    for k in 0 1 3; do
+        "$TOMODEM_BIN/phantom_inclusions" stack/s_$k.tif --size 20x20x1 --voxel-size 1um --count 1 --diameter 0.01um \
+            --gap 0 --quiet
+    done
+    refused 1 "slice number 2 is missing" vol2pack brick.h5 stack out.h5 --voxel-size 1um --pixels-per-seed 2
+    "$TOMODEM_BIN/phantom_inclusions" stack/s_2.tif --size 20x21x1 --voxel-size 1um --count 1 --diameter 0.01um \
+        --gap 0 --quiet
+    refused 1 "slice 's_2.tif' is 20 x 21" vol2pack brick.h5 stack out.h5 --voxel-size 1um --pixels-per-seed 2
+}
+
+@test "refuses a voxel size that is missing, zero, negative or without unit as wrong usage" {
+    refused 2 "--voxel-size" vol2pack brick.h5 composite.tif out.h5 --pixels-per-seed 2
+    refused 2 "--voxel-size" vol2pack brick.h5 composite.tif out.h5 --voxel-size 0um --pixels-per-seed 2
+    refused 2 "--voxel-size" vol2pack brick.h5 composite.tif out.h5 --voxel-size=-3um --pixels-per-seed 2
+    refused 2 "--voxel-size" vol2pack brick.h5 composite.tif out.h5 --voxel-size 3 --pixels-per-seed 2
+    refused 2 "--pixels-per-seed" vol2pack brick.h5 composite.tif out.h5 --voxel-size 3um --pixels-per-seed 0
+}
+
+@test "refuses labels that do not match the image" {
+    refused 1 "label 2" vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 2 --labels 1=matrix
+    refused 1 "label 7 (steel)" vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 2 \
+        --labels 1=matrix,2=inclusion,7=steel
+    refused 1 "does not have label 5" vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 2 \
+        --objects 5
+    refused 2 "LABEL=NAME" vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 2 --labels 1
+}
+
+@test "refuses a brick that is cut in half, or is no packing" {
+    head -c $(($(stat -c %s brick.h5) / 2)) brick.h5 > half.h5
+    refused 1 "half.h5" vol2pack half.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 2
+    refused 1 "composite.tif" vol2pack composite.tif composite.tif out.h5 --voxel-size 10um --pixels-per-seed 2
+}
+
+@test "refuses a crop outside the image, and a phase without particles" {
+    refused 1 "does not fit" vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 2 \
+        --crop 0:81,0:80,0:80
+    "$TOMODEM_BIN/phantom_inclusions" tiny.tif --size 40 --voxel-size 10um --count 1 --diameter 15um --quiet
+    refused 1 "no particle; use fewer --pixels-per-seed" vol2pack brick.h5 tiny.tif out.h5 --voxel-size 10um \
+        --pixels-per-seed 8 --quiet
+}
+
+@test "leaves an earlier sample as it was when it fails" {
+    echo "earlier" > kept.h5
+    run vol2pack brick.h5 composite.tif kept.h5 --voxel-size 10um --pixels-per-seed 2 --labels 1=matrix
+    [ "$status" -eq 1 ]
+    [ "$(cat kept.h5)" = "earlier" ]
+}
+
+@test "volume_info tells labels and components" {
+    run "$TOMODEM_BIN/volume_info" composite.tif --voxel-size 10um
+    [ "$status" -eq 0 ]
+    [[ "$output" == *"components_label_2: 8"* ]]
+    [[ "$output" == *"size_z: 80 voxels"* ]]
+}
+
+@test "the cast iron of the shared data is filled with its phases within a point" {
+    data=${TOMODEM_SHARED:-$TOMODEM_SOURCE/../shared}/data/nodular_cast_iron
+    [ -d "$data" ] || skip "no real volume at $data (set TOMODEM_SHARED)"
+    vol2pack brick.h5 "$data/labels" out.h5 --voxel-size 3um --pixels-per-seed 4 --labels 1=graphite,2=iron \
+        --objects 1 --min-component 27 --json out.json
+    /usr/bin/python3 - <<'PYTHON'
+import json
+report = json.load(open("out.json"))
+assert report["small_components_removed"] == 5
+assert [phase["voxels"] for phase in report["phases"]] == [0, 2861044, 24138956]
+assert all(abs(phase["sample_fraction"] - phase["image_fraction"]) < 0.01 for phase in report["phases"])
+assert report["objects"] + report["objects_lost"] == 211
+PYTHON
+}
