@@ -13,7 +13,7 @@ namespace tomodem::packgen {
 /// The order of the neighbours depends on the positions only. Time O(N) when the cutoff is short against the box.
 class NeighbourList {
  public:
-    static constexpr std::size_t chunk_size = 512;
+    static constexpr std::size_t chunk_size = 128;
 
     /// Wraps the positions into [0, 1), sorts the particles by cell (rows that travel with them too), and lists for
     /// each particle all others whose nearest image is closer than the cutoff.

@@ -4,6 +4,20 @@
 
 namespace tomodem::packgen {
 
+namespace {
+
+// The next piece of work is usually some microseconds away, less than it takes to be woken up by the system.
+template <class Changed>
+bool changes_soon(Changed changed) {
+    for (int tries = 0; tries < 500; ++tries) {
+        if (changed()) return true;
+        __builtin_ia32_pause();
+    }
+    return false;
+}
+
+}  // namespace
+
 ThreadTeam::ThreadTeam(int threads) : shares_(static_cast<std::size_t>(std::max(threads, 1))) {
     for (std::size_t index = 1; index < shares_.size(); ++index)
         workers_.emplace_back([this, index] { wait_for_work(index); });
@@ -30,6 +44,7 @@ void ThreadTeam::for_each(std::size_t count, const std::function<void(std::size_
     round_.fetch_add(1);
     round_.notify_all();
     take_part(0);
+    if (changes_soon([this] { return busy_.load() == 0; })) return;
     for (std::size_t busy = busy_.load(); busy != 0; busy = busy_.load()) busy_.wait(busy);
 }
 
@@ -43,7 +58,7 @@ void ThreadTeam::take_part(std::size_t first_share) {
 
 void ThreadTeam::wait_for_work(std::size_t index) {
     for (unsigned seen = 0;;) {
-        round_.wait(seen);
+        if (!changes_soon([&] { return round_.load() != seen; })) round_.wait(seen);
         ++seen;
         if (stopping_) return;
         take_part(index);
