@@ -250,6 +250,44 @@ TEST_F(Tiff, CutAnywhereIsRejectedInOneLine) {
     }
 }
 
+TEST_F(Tiff, CutBehindItsDirectoryIsRejected) {
+    // 4 x 4 voxels whose directory comes first, as tomographs and ImageJ write them.
+    std::string bytes("II*\0\x08\0\0\0", 8);
+    const auto number = [&bytes](std::uint32_t value, int count) {
+        for (int i = 0; i < count; ++i) bytes += static_cast<char>(value >> 8 * i);
+    };
+    const std::vector<std::array<std::uint32_t, 2>> entries{{256, 4},   {257, 4}, {258, 8}, {259, 1}, {262, 1},
+                                                            {273, 122}, {277, 1}, {278, 4}, {279, 16}};
+    number(static_cast<std::uint32_t>(entries.size()), 2);
+    for (const auto& [tag, value] : entries) {
+        number(tag, 2);
+        number(4, 2);  // a 32-bit number
+        number(1, 4);
+        number(value, 4);
+    }
+    bytes.resize(122, '\0');
+    for (int i = 0; i < 16; ++i) bytes += static_cast<char>(i);
+    const auto write = [&](std::size_t size) {
+        std::ofstream(folder / "a.tif", std::ios::binary) << bytes.substr(0, size);
+    };
+    write(bytes.size());
+    EXPECT_EQ(LabelVolume::Sampler(read_label_volume(folder / "a.tif", unit_voxels())).at({3, 3, 0}), 15);
+    for (const std::size_t size : {bytes.size() - 1, std::size_t{123}, std::size_t{60}}) {
+        write(size);
+        EXPECT_THAT([&] { read_label_volume(folder / "a.tif", unit_voxels()); },
+                    ThrowsMessage<InvalidInput>(AllOf(HasSubstr("cut or damaged"), Not(HasSubstr("\n")))))
+            << size;
+    }
+}
+
+TEST_F(Tiff, WithDamagedVoxelsIsRejected) {
+    const fs::path path = folder / "a.tif";
+    write_tiff(path, 19, 11, counting<std::uint8_t>(volume_voxels, 200), {.compression = COMPRESSION_ADOBE_DEFLATE});
+    std::fstream(path, std::ios::in | std::ios::out | std::ios::binary).seekp(8) << "damaged damaged";
+    EXPECT_THAT([&] { read_label_volume(path, unit_voxels()); },
+                ThrowsMessage<InvalidInput>(AllOf(HasSubstr("slice 0"), HasSubstr("damaged in piece"))));
+}
+
 TEST_F(Tiff, RejectsPagesOfDifferentSize) {
     write_tiff(folder / "a.tif", 19, 11, counting<std::uint8_t>(19 * 11 * 2, 9));
     write_tiff(folder / "a.tif", 18, 11, counting<std::uint8_t>(18 * 11, 9), {.mode = "a"});
