@@ -29,7 +29,7 @@ STYLE = """
 * { box-sizing: border-box; }
 body { margin: 0; color: var(--ink); background: white; font: 16px/1.55 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
 main { max-width: 1120px; margin: 0 auto; padding: 2.5rem 1.5rem 4rem; }
-h1 { font-size: 2rem; line-height: 1.2; margin: 0; } h1 + p { color: var(--soft); margin: .4rem 0 2rem; }
+h1 { font-size: 2rem; line-height: 1.2; margin: 0; } h1 + p { color: var(--soft); margin: .4rem 0 2rem; max-width: none; }
 h2 { font-size: 1.25rem; margin: 3rem 0 .8rem; padding-top: 1.2rem; border-top: 1px solid var(--line); }
 p { max-width: 75ch; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(165px, 1fr)); gap: .8rem; }
@@ -45,7 +45,7 @@ table { border-collapse: collapse; width: 100%; font-size: .93rem; font-variant-
 th, td { padding: .4rem .8rem .4rem 0; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
 th { font-weight: 600; color: var(--soft); } th:first-child, td:first-child { text-align: left; }
 td.words, th.words { text-align: left; white-space: normal; }
-tr.sum td { font-weight: 600; border-bottom: 0; }
+td .soft { color: var(--soft); } tr.sum td { font-weight: 600; border-bottom: 0; }
 pre { background: var(--wash); border-radius: .5rem; padding: 1rem; overflow-x: auto; font-size: .86rem; line-height: 1.45; }
 code { font-size: .9em; } a { color: #0b5cad; }
 @media print { h2 { break-after: avoid; } figure { break-inside: avoid; } }
@@ -183,8 +183,9 @@ class Report:
             figures.append((f"{abs(step['run']['final_stress']) / 1e6:.1f} MPa", "stress at the end"))
         shape = step["shape_factor"]
         figures += [
-            (f"{shape['shape_factor_first']:.3f} → {shape['shape_factor_last']:.3f}",
-             f"shape factor, mean of {shape['objects_used']} object{'s' * (shape['objects_used'] != 1)}"),
+            (f"{shape['shape_factor_last']:.3f}",
+             f"shape factor, from {shape['shape_factor_first']:.3f}; mean of {shape['objects_used']} "
+             f"object{'s' * (shape['objects_used'] != 1)}"),
             (percent(step["equilibrium"]["equilibrium_error"]), "equilibrium error"),
             (percent(step["volume_change"]["volume_change_last"]), "volume change"),
             (seconds(sum(one["wall_seconds"] for one in step.values())), "from image to measures"),
@@ -206,8 +207,9 @@ class Report:
 
     def stress_plot(self, axes):
         curve = self.tables["stress_strain"]
-        axes.plot(curve["abs_strain"], curve["abs_stress_true"] / 1e6, color=INK, lw=2, label="true stress")
-        axes.plot(curve["abs_strain"], curve["abs_stress_engineering"] / 1e6, color=GREY, lw=1.4,
+        sign = -1 if curve["strain"][-1] < 0 else 1
+        axes.plot(curve["abs_strain"], sign * curve["stress_true"] / 1e6, color=INK, lw=2, label="true stress")
+        axes.plot(curve["abs_strain"], sign * curve["stress_engineering"] / 1e6, color=GREY, lw=1.4,
                   label="engineering stress")
         of_phase = norton_of_phases(self.scene)
         solid = [phase for phase in self.phases if phase["label"] != 0]
@@ -215,7 +217,7 @@ class Report:
         if dense and len(solid) > 1 and all(phase["label"] in of_phase for phase in solid):
             mixture = sum(phase["sample_fraction"] * of_phase[phase["label"]] for phase in solid)
             axes.axhline(mixture / 1e6, color=BLUE, lw=1.2, ls="--", label="phases in parallel (Norton)")
-        axes.set(xlabel="|true strain|", ylabel="|stress| [MPa]", xlim=(0, None), ylim=(0, None))
+        axes.set(xlabel="|true strain|", ylabel=("compressive " if sign < 0 else "") + "stress [MPa]", xlim=(0, None))
         axes.legend(loc="lower right")
 
     def shape_plot(self, axes):
@@ -240,7 +242,7 @@ class Report:
         curve = self.tables["equilibrium"]
         positive = curve["equilibrium_error"] > 0
         axes.semilogy(curve["abs_strain"][positive], 100 * curve["equilibrium_error"][positive], color=INK, lw=1.4)
-        axes.set(xlabel="|true strain|", ylabel="equilibrium error [%]", xlim=(0, None))
+        axes.set(xlabel="|true strain|", ylabel="equilibrium error [%]", xlim=(0, None), ylim=(1e-2, None))
 
     def curves(self):
         return (
@@ -284,9 +286,15 @@ class Report:
             + table(["check", "value", "how"], checks, words=(2,))
         )
 
+    @staticmethod
+    def which(name, tool):
+        """Tells the runs of a tool apart that is used several times."""
+        _, _, words = name.partition("_")
+        return f' <span class=soft>{words.replace("_", " ")}</span>' if tool in ("render", "mesh_recon") else ""
+
     def costs(self):
         rows = [
-            (f"{html.escape(one['tool'])} <span style='color:#98a2b3'>{html.escape(name)}</span>",
+            (html.escape(one["tool"]) + self.which(name, one["tool"]),
              seconds(one["wall_seconds"]), seconds(one["cpu_seconds"]), mebibytes(one["peak_bytes"]))
             for name, one in self.step.items()
         ]
@@ -297,7 +305,7 @@ class Report:
         note = f"<p>{count(run['steps'])} time steps of {number(run['time_step'])} s on {run['processes']} "
         note += f"process{'es' * (run['processes'] != 1)}"
         if "seconds_per_particle_step" in run:
-            note += f"; {run['seconds_per_particle_step']:.2e} CPU seconds per particle and step"
+            note += f"; {1e6 * run['seconds_per_particle_step']:.2f} µs of CPU time a particle and step"
         return "<h2>Costs</h2>" + table(["step", "time", "CPU time", "peak memory"], rows, total=True) + note + ".</p>"
 
     def how(self):

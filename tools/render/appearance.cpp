@@ -100,8 +100,7 @@ void show(const Packing& packing, const std::vector<Vec3>& positions, const Vec3
     picture.radius = packing.seed_radius;
 
     objects.erase(0);
-    if (appearance.colour == ColourBy::object)
-        picture.legend.push_back({object_colour(1), fmt::format("{} objects, each with its colour", objects.size())});
+    if (appearance.colour == ColourBy::object) picture.caption = fmt::format("{} objects", objects.size());
     if (appearance.colour != ColourBy::phase) return;
     for (const auto& [label, particles] : count) {
         if (appearance.only_species && label != *appearance.only_species) continue;

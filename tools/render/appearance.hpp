@@ -37,7 +37,7 @@ struct Appearance {
     std::map<std::int32_t, std::string> names;  ///< of the phases; others are "label 3"
 };
 
-/// Fills centres, colours, radius and legend of a picture from one frame.
+/// Fills centres, colours, radius and legend (or a caption of objects) of a picture from one frame.
 ///
 /// @param positions  in the order of the packing's ids
 /// @param middle     where a cut goes through

@@ -107,8 +107,10 @@ void add_particles(const Request& request, Picture& picture) {
     if (request.press != "none")
         picture.plates =
             press_planes(bounds(frame.position, packing.seed_radius), request.press[0] - 'x', appearance.cut);
-    if (const auto strain = run.observables().find("strain"); strain != run.observables().end())
-        picture.caption = strain_text(value_at(strain->second, frame.time));
+    if (const auto strain = run.observables().find("strain"); strain != run.observables().end()) {
+        if (!picture.caption.empty()) picture.caption += ", ";
+        picture.caption += strain_text(value_at(strain->second, frame.time));
+    }
     cli::report("particles", static_cast<std::int64_t>(packing.size()));
     cli::report("particles_shown", static_cast<std::int64_t>(picture.centres.size()));
 }

@@ -46,7 +46,7 @@ one_line() { [ "$(wc -l <<<"$stderr")" -eq 1 ]; }
     render run.h5 before.png --frame 0 --no-outline --size 600x450
     render run.h5 after.png --frame -1 --no-outline --size 600x450
     check same_scale before.png after.png
-    ! cmp -s before.png after.png
+    run -1 cmp -s before.png after.png
 }
 
 @test "objects have colours of their own" {
@@ -89,17 +89,21 @@ one_line() { [ "$(wc -l <<<"$stderr")" -eq 1 ]; }
 
 @test "what is not in the file is named" {
     run -1 --separate-stderr render run.h5 picture.png --frame 7
-    one_line && [[ $stderr == *"no frame 7"* ]]
+    one_line
+    [[ $stderr == *"no frame 7"* ]]
     run -1 --separate-stderr render run.h5 picture.png --only-species 9
-    one_line && [[ $stderr == *"no particle has label 9; the packing has 1, 2"* ]]
+    one_line
+    [[ $stderr == *"no particle has label 9; the packing has 1, 2"* ]]
     [ ! -e picture.png ]
 }
 
 @test "options that make no sense are wrong usage" {
     run -2 --separate-stderr render run.h5 picture.png --size 12x
-    one_line && [[ $stderr == *"--size '12x'"* ]]
+    one_line
+    [[ $stderr == *"--size '12x'"* ]]
     run -2 --separate-stderr render run.h5 picture.jpg
-    one_line && [[ $stderr == *".png"* ]]
+    one_line
+    [[ $stderr == *".png"* ]]
     [ ! -e picture.png ]
 }
 
