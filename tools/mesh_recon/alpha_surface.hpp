@@ -28,8 +28,7 @@ struct AlphaSurface {
 ///
 /// A particle fits where every centre is a diameter away, which is where this probe fits. In random packings of 20,000
 /// spheres at D = 0.64, 0.70 and 0.74 it leaves no void; 0.9 diameters leave one at D = 0.64, 0.85 more than
-/// twenty
-/// (docs/measures.md).
+/// twenty (docs/measures.md).
 inline double default_probe_radius(double seed_radius) {
     return 2.0 * seed_radius;
 }

@@ -7,6 +7,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -114,12 +115,14 @@ TEST(AlphaSurface, OfACubicLatticeIsItsCubeThoughAllItsCellsAreDegenerate) {
     EXPECT_EQ(euler_characteristic(surface.mesh), 2);
 }
 
-TEST(AlphaSurface, OfALatticeOffTheBinaryGridHasNoSliverVoids) {
-    std::vector<Vec3> points = cubic_lattice(8, {0.1, 0.7, 1000.3});
-    for (Vec3& p : points) p *= 0.1;  // the rounding leaves tetrahedra of volume 1e-17 between the cubes
-    const AlphaSurface surface = alpha_surface(points, {.probe_radius = 0.1});
-    EXPECT_NEAR(surface.volume, 0.512, 1e-10);
-    EXPECT_NEAR(surface.area, 3.84, 1e-6);
+TEST(AlphaSurface, OfATurnedLatticeHasNoSliverVoids) {
+    // Rounding leaves tetrahedra of volume 1e-16 between the cubes, whose circumradius floating point gets wrong.
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    std::vector<Vec3> points = cubic_lattice(12);
+    for (Vec3& p : points) p = turn * p;
+    const AlphaSurface surface = alpha_surface(points, {.probe_radius = 1.0});
+    EXPECT_NEAR(surface.volume, 1728.0, 1e-8);
+    EXPECT_NEAR(surface.area, 864.0, 1e-6);
     EXPECT_TRUE(is_closed_manifold(surface.mesh));
 }
 
@@ -204,6 +207,20 @@ TEST(AlphaSurface, EqualsAlphaShape3AtTheCircumradiusItself) {
         EXPECT_NEAR(surface.area, oracle.area, 1e-12 * oracle.area);
         EXPECT_EQ(surface.components.size(), oracle.components);
     }
+}
+
+TEST(AlphaSurface, DecidesAtTheCircumradiusItselfInAnyScale) {
+    std::mt19937 generator(11);
+    std::uniform_int_distribution<int> coordinate(0, 14);
+    std::vector<Vec3> points(400);
+    for (Vec3& p : points) p = 2.0 * Vec3(coordinate(generator), coordinate(generator), coordinate(generator));
+    const AlphaSurface surface = alpha_surface(points, {.probe_radius = 3.0});
+    const double scale = 1.0 + 5.0 / 1073741824.0;  // times a small integer it is exact, its square is not
+    for (Vec3& p : points) p *= scale;
+    const AlphaSurface scaled = alpha_surface(points, {.probe_radius = 3.0 * scale});
+    EXPECT_NEAR(scaled.volume, surface.volume * scale * scale * scale, 1e-10 * surface.volume);
+    EXPECT_NEAR(scaled.area, surface.area * scale * scale, 1e-10 * surface.area);
+    EXPECT_EQ(scaled.mesh.triangles.size(), surface.mesh.triangles.size());
 }
 
 TEST(AlphaSurface, CountsADuplicatedPointOnce) {
