@@ -26,8 +26,6 @@ std::string extension_of(const fs::path& path) {
     return extension;
 }
 
-// ---- writing ------------------------------------------------------------------------------------------------------
-
 /// 50 bytes a triangle: normal, three corners, an unused number.
 void write_stl(const TriangleMesh& mesh, const fs::path& path) {
     BinaryOutput out(path);
@@ -61,8 +59,6 @@ void write_ply(const TriangleMesh& mesh, const fs::path& path) {
     }
     out.commit();
 }
-
-// ---- reading ------------------------------------------------------------------------------------------------------
 
 /// The bytes of a file, taken from the front; errors name the file.
 class Bytes {
