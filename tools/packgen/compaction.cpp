@@ -118,13 +118,14 @@ void compress(Assembly& assembly, double start_edge, double edge, double rate,
               const std::function<void(double)>& progress) {
     constexpr double time_step = 0.3;  // the stiffest mode of a dense packing has a period of about 2.2
     constexpr double drag = 0.5;
-    const auto steps = static_cast<std::int64_t>(std::ceil(std::log(start_edge / edge) / (rate * time_step)));
-    for (std::int64_t step = 1; step <= steps; ++step) {
+    const double whole_strain = std::log(start_edge / edge);
+    // Products instead of pow(), whose last bit depends on the processor.
+    for (double now = start_edge; now > edge;) {
         assembly.evaluate();
         assembly.move(1.0 - drag * time_step, time_step, time_step);
-        const double done = static_cast<double>(step) / static_cast<double>(steps);
-        assembly.set_edge(step == steps ? edge : start_edge * std::pow(edge / start_edge, done));
-        progress(done);
+        now = std::max(edge, now * (1.0 - rate * time_step));
+        assembly.set_edge(now);
+        progress(std::log(start_edge / now) / whole_strain);
     }
 }
 

@@ -38,11 +38,11 @@ struct CompactedPacking {
 ///
 /// The box is [0, L]^3 with L = (N pi d^3 / (6 D))^(1/3), periodic; species 1; ids 1 ... N follow the Morton curve,
 /// so particles with close ids are neighbours. The same Compaction gives the same bits on any number of threads and
-/// any x86-64 processor with the same libm.
+/// any x86-64 processor.
 ///
 /// @throws InvalidInput if the density is out of range, the box is shorter than three crown radii (r_c = 1.5 r_s), or
 ///                      the packing does not come to rest in max_steps
-/// @note   time O(N), about 300 bytes a particle
+/// @note   time O(N), about 350 bytes a particle
 /// @see    thesis section 9.3; the relaxation is FIRE: Bitzek et al., Phys. Rev. Lett. 97 (2006) 170201
 CompactedPacking compact(const Compaction& wanted);
 
