@@ -18,6 +18,10 @@ namespace {
 /// Neighbour skin over the seed radius: BILIN's packings are cold, and the vector kernel prunes the list anyway.
 constexpr double skin_over_seed = 0.6;
 
+/// Drag during relaxation over the critical one. Without it the chatter of the attraction keeps the sample warm, and
+/// its surface tension closes pores: a foam's struts then move by 20 seed radii instead of 2.
+constexpr double relaxation_damping = 0.3;
+
 double mass_for(double stiffness, double period) {
     return stiffness * period * period / (4 * std::numbers::pi * std::numbers::pi);
 }
@@ -209,11 +213,21 @@ Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_
 Simulation::~Simulation() = default;
 
 void Simulation::begin_relaxation() {
-    const double period = law::least_steps_per_period * state_->model.time_step;
-    state_->set_masses([period](const PhaseModel&) { return period; });
+    State& s = *state_;
+    const double period = law::least_steps_per_period * s.model.time_step;
+    s.set_masses([period](const PhaseModel&) { return period; });
+    // Viscous drag of a share of the critical one, 2 sqrt(k_rep m) = k_rep period / pi.
+    const auto drag = [&](const PhaseModel& phase) {
+        return relaxation_damping * phase.pair.repulsive_stiffness * period / std::numbers::pi;
+    };
+    std::string words = fmt::format("fix drag all viscous {:.17g}", drag(s.model.phases.front()));
+    for (std::size_t k = 1; k < s.model.phases.size(); ++k)
+        words += fmt::format(" scale {} {:.17g}", k + 1, drag(s.model.phases[k]) / drag(s.model.phases.front()));
+    s.session.command(words);
 }
 
 void Simulation::end_relaxation() {
+    state_->session.command("unfix drag");
     LAMMPS_NS::Atom& atoms = state_->atom();
     for (int i = 0; i < atoms.nlocal; ++i)
         for (int c = 0; c < 3; ++c) atoms.v[i][c] = 0;

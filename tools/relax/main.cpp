@@ -10,7 +10,7 @@ using namespace tomodem;
 
 struct Request {
     std::filesystem::path sample, scene, relaxed;
-    double periods = 50;
+    double periods = 20;
 };
 
 cli::Usage usage(Request& request) {
