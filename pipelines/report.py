@@ -170,7 +170,7 @@ class Report:
         if "phantom" in self.step:
             return "Phantom composite"
         words = self.step["image"]["command_line"].split()
-        return pathlib.Path(words[1]).name if len(words) > 1 else "Image"
+        return "/".join(pathlib.PurePath(words[1]).parts[-2:]) if len(words) > 1 else "Image"
 
     def key_figures(self):
         step = self.step
@@ -276,7 +276,8 @@ class Report:
             ("volume change", percent(volume["volume_change_last"]),
              f"at the end; largest on the way {percent(volume['volume_change_extreme'])}"),
             ("objects", str(step["sample"].get("objects", 0)),
-             f"{shape['objects_used']} measured, {shape['objects_too_small']} too small; "
+             f"{shape['objects_used']} measured, {shape['objects_too_small']} too small, "
+             f"{shape['objects_at_boundary']} left out at the outer faces; "
              f"smallest has {step['sample'].get('smallest_object', 0)} particles"),
         ]
         return (
