@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <ranges>
 #include <set>
 
 #include "core/error.hpp"
@@ -80,9 +79,12 @@ void show(const Packing& packing, const std::vector<Vec3>& positions, const Vec3
             "the packing does not tell objects apart; make it with vol2pack --objects, or colour by phase");
     const auto colours = phase_colours(packing);
     const auto count = particles_of_phases(packing);
-    if (appearance.only_species && !count.contains(*appearance.only_species))
+    if (appearance.only_species && !count.contains(*appearance.only_species)) {
+        std::vector<std::int32_t> labels;
+        for (const auto& [label, particles] : count) labels.push_back(label);
         throw InvalidInput(fmt::format("no particle has label {}; the packing has {}", *appearance.only_species,
-                                       fmt::join(std::views::keys(count), ", ")));
+                                       fmt::join(labels, ", ")));
+    }
 
     std::set<std::int32_t> objects;
     for (std::size_t k = 0; k < packing.size(); ++k) {
