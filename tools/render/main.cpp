@@ -38,7 +38,7 @@ cli::Usage usage(Request& request) {
                       "sample or run (.h5) whose place and scale are used, to compare pictures of several files")
         .option("--labels", request.labels, "names of the phases, as 1=matrix,2=inclusion; a run knows its own")
         .option("--size", request.size, "width and height in pixels")
-        .choice("--background", request.background, {"white", "black", "grey"}, "colour behind the sample")
+        .choice("--background", request.background, {"white", "grey"}, "colour behind the sample")
         .example("render run.h5 before.png --frame 0 --cut y --press z")
         .example("render run.h5 inclusions.png --only-species 2 --color object")
         .example("render inclusion.stl inclusion.png --view-of run.h5");
@@ -129,7 +129,6 @@ void run(const Request& request) {
         throw WrongUsage(fmt::format("picture '{}': the name must end in .png", request.picture.string()));
     Picture picture;
     parse_size(request.size, picture);
-    if (request.background == "black") picture.background = {0, 0, 0};
     if (request.background == "grey") picture.background = {225, 227, 230};
 
     const auto extension = request.input.extension();
