@@ -8,6 +8,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <system_error>
 
 #include "core/error.hpp"
@@ -28,32 +29,37 @@ int synchronise(const fs::path& path, int flags) {
     return ::close(descriptor) == 0 || code != 0 ? code : errno;
 }
 
-/// Files that a signal must not leave behind; as many as a tool ever has open at once, and more.
+/// Files that the end of the process must not leave behind; as many as a tool ever has open at once, and more.
 std::array<std::atomic<const char*>, 64> unfinished{};
 
-extern "C" void remove_unfinished(int signal_number) {
+void remove_unfinished() {
     for (const auto& path : unfinished)
         if (const char* name = path.load()) ::unlink(name);
+}
+
+extern "C" void end_by_signal(int signal_number) {
+    remove_unfinished();
     ::raise(signal_number);  // with SA_RESETHAND: ends the process as the signal would have
 }
 
-/// Ctrl-C, kill and a closed terminal; a handler of somebody else's, or "ignore" (nohup), stays.
-void catch_signals() {
+/// Ctrl-C, kill, a closed terminal, and a library that calls exit(); a signal handler of somebody else's, or "ignore"
+/// (nohup), stays.
+void catch_endings() {
     static const bool once = [] {
         for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
             struct sigaction action {};
             if (::sigaction(number, nullptr, &action) != 0 || action.sa_handler != SIG_DFL) continue;
-            action.sa_handler = remove_unfinished;
+            action.sa_handler = end_by_signal;
             action.sa_flags = SA_RESETHAND | SA_NODEFER;
             ::sigaction(number, &action, nullptr);
         }
-        return true;
+        return std::atexit(remove_unfinished) == 0;
     }();
     (void)once;
 }
 
 void remember(const char* name) {
-    catch_signals();
+    catch_endings();
     for (auto& slot : unfinished)
         if (const char* empty = nullptr; slot.compare_exchange_strong(empty, name)) return;
 }

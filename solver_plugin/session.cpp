@@ -11,9 +11,10 @@
 namespace tomodem::plugin {
 namespace {
 
+/// Log of the LIGGGHTS that is alive; empty when there is none. Never destroyed: read when the process ends.
 std::filesystem::path& live_log() {
-    static std::filesystem::path path;
-    return path;
+    static auto* const path = new std::filesystem::path;
+    return *path;
 }
 
 /// Runs when the process ends: a log that is still live means that LIGGGHTS ended it.

@@ -169,7 +169,7 @@ Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_
     command("atom_style granular");
     command("atom_modify map array");
     // Shrink-wrapped: nothing can leave the box, and it stays balanced over the processes while the sample spreads.
-    command("boundary s s s");
+    command("boundary m m m");
     command("newton off");
     command("communicate single vel yes");
     command("units si");  // no conversion: any consistent set
@@ -181,6 +181,11 @@ Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_
     command("region everywhere block" + corners + " units box");
     command(fmt::format("create_box {} everywhere", model.phases.size()));
     s.create_particles(sample);
+    // How far the box may shrink: its neighbour bins must hold a crown and a skin even where the sample is flat.
+    const double least = 2 * model.crown_radius + skin_over_seed * model.seed_radius;
+    LAMMPS_NS::Domain& domain = *s.session.lmp().domain;
+    domain.minxlo = domain.minylo = domain.minzlo = -least;
+    domain.minxhi = domain.minyhi = domain.minzhi = least;
     s.set_masses([](const PhaseModel& phase) { return phase.natural_period; });
 
     command(fmt::format("neighbor {:.17g} bin", skin_over_seed * model.seed_radius));
@@ -244,6 +249,8 @@ void Simulation::place_planes() {
     }
     low = -s.largest(-low);
     high = s.largest(high);
+    if (!(high > low))
+        throw InvalidInput("the sample has no height along the loading axis: it needs two layers at least");
     if (s.planes == nullptr) {
         s.session.command("fix planes all tomodem/planes");
         s.planes = static_cast<FixPlanes*>(s.session.lmp().modify->find_fix_id("planes"));

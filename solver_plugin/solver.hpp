@@ -29,8 +29,8 @@ struct Relaxation {
     Cost cost;
 };
 
-/// Lets the free sample come to rest under its law (thesis section 5.3): `periods` natural periods of 20 time steps each,
-/// the same for every particle, with a viscous drag.
+/// Lets the free sample come to rest under its law (thesis section 5.3): `periods` natural periods of 20 time steps
+/// each, the same for every particle, with a viscous drag.
 Relaxation relax(const Packing& sample, const Scene& scene, double periods, MPI_Comm communicator);
 
 struct RunResult {

@@ -21,6 +21,7 @@ natural_period = 0.1
 steps = [ { strain = $2, rate = ${3:-1e-2} } ]
 
 [accuracy]
+time_step = 5e-3
 frames = 4
 END
 }
