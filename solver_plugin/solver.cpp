@@ -73,11 +73,12 @@ double reduced_energy(double kinetic, const Model& model, const Packing& sample)
     return kinetic / (static_cast<double>(sample.size()) * stiffness * sample.seed_radius * sample.seed_radius);
 }
 
-void refuse_runaway(const Simulation& simulation, const Model& model, const Packing& sample, const std::string& when) {
+void refuse_runaway(const Simulation& simulation, double kinetic_energy, const Model& model, const Packing& sample,
+                    const std::string& when) {
     if (simulation.particles() != static_cast<std::int64_t>(sample.size()))
         throw InvalidInput(fmt::format("{} particles were lost {} (step {}); take a smaller strain_per_step",
                                        sample.size() - simulation.particles(), when, simulation.step()));
-    const double energy = reduced_energy(simulation.energies().kinetic, model, sample);
+    const double energy = reduced_energy(kinetic_energy, model, sample);
     if (!(energy < runaway_energy))
         throw InvalidInput(fmt::format(
             "the packing falls apart {} (step {}): its kinetic energy is {:.2g} N k_rep r_s^2, above {:g}; take a "
@@ -92,7 +93,7 @@ void relax_inside(Simulation& simulation, const Model& model, const Packing& sam
     simulation.begin_relaxation();
     for (std::int64_t done = 0; done < steps; done += chunk) {
         simulation.run(std::min(chunk, steps - done));
-        refuse_runaway(simulation, model, sample, "during relaxation");
+        refuse_runaway(simulation, simulation.energies().kinetic, model, sample, "during relaxation");
         progress.update(static_cast<double>(done + chunk));
     }
 }
@@ -208,6 +209,9 @@ RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem
         if (first) writer->add_frame({step, static_cast<double>(step) * model.time_step, std::move(points)});
     };
     write_frame();
+    simulation.run(0);
+    if (const plugin::Energies at_rest = simulation.energies(); first)
+        record(*writer, measure(0, {}, initial_section), at_rest, 0, 0);
 
     const double path = scene.path_length();
     const double point_spacing = scene.averaging_strain / points_per_window;
@@ -229,10 +233,11 @@ RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem
             if (chunk == 0) continue;
             simulation.run(chunk);
             travelled += std::abs(strain_per_step) * static_cast<double>(chunk);
-            refuse_runaway(simulation, model, sample, fmt::format("at strain {:.3f}", simulation.strain()));
+            const plugin::Energies energies = simulation.energies();
+            refuse_runaway(simulation, energies.kinetic, model, sample,
+                           fmt::format("at strain {:.3f}", simulation.strain()));
             window.add(simulation.take_forces());
             const Point measured = measure(simulation.strain(), window.mean(), initial_section);
-            const plugin::Energies energies = simulation.energies();
             const std::int64_t step = simulation.step() - start;
             if (first) record(*writer, measured, energies, step, static_cast<double>(step) * model.time_step);
             if (travelled > path / 2) {

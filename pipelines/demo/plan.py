@@ -20,8 +20,6 @@ LAW = {
     "inclusion": "norton = { K = 5020, M = 0.49 }      # MPa.s^M",
 }
 FEWEST_PARTICLES_OF_A_SHAPE = 20
-# Surface tension shrinks an open structure as long as it is left to itself: just enough to lose the overlaps.
-RELAXATION_PERIODS = {"dense": 50, "porous": 5}
 
 
 def fail(message):
@@ -85,7 +83,7 @@ def made_scene(names, solid):
             lines.append("objects = true")
         lines.append("")
     lines += ["[load]", 'axis = "z"', "steps = [ { strain = -0.3, rate = 1e-3 } ]", "",
-              "[accuracy]", "strain_per_step = 5e-5   # larger is faster and has more inertia",
+              "[accuracy]", "strain_per_step = 2e-5   # larger is faster and has more inertia",
               "averaging_strain = 0.01", "frames = 30", ""]
     return "\n".join(lines)
 
@@ -147,7 +145,6 @@ def main():
         "vol2pack": f"--pixels-per-seed {pixels:g} --labels {label_list} "
                     f"--objects {','.join(map(str, sorted(objects)))} "
                     f"--min-component {math.ceil(smallest)}",
-        "relax": f"--periods {RELAXATION_PERIODS['porous' if porous else 'dense']}",
         "render": f"--labels {label_list}",
         "press": f"--press {load.get('axis', 'z')}",
         "inclusions": f"--only-species {shown} --color {'object' if inclusions else 'phase'}",
