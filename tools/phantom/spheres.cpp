@@ -116,7 +116,7 @@ std::size_t push_apart(std::vector<Grain>& grains, const Vec3& edges, double gap
     for (std::size_t i = 0; i < grains.size(); ++i)
         neighbours.all_of_neighbours(grain_centre(grains[i]), [&](std::size_t j) {
             if (j <= i) return true;
-            Vec3 between;
+            Vec3 between = Vec3::Zero();
             const double missing = gap - surface_distance(grains[i], grains[j], between);
             if (missing <= 0) return true;
             ++close;
@@ -221,7 +221,7 @@ std::vector<Grain> place_without_overlap(std::vector<Grain> grains, const Vec3& 
         for (int trial = 0; trial < trials && !found && all_placed; ++trial) {
             place_at_random(grain, around, edges, gap, random);
             found = neighbours.all_of_neighbours(grain_centre(grain), [&](std::size_t other) {
-                Vec3 between;
+                Vec3 between = Vec3::Zero();
                 return surface_distance(grain, grains[other], between) >= gap;
             });
         }
@@ -246,7 +246,7 @@ std::vector<Grain> place_without_overlap(std::vector<Grain> grains, const Vec3& 
             Grain pushed = grains[i];
             enough = !push_inside(pushed, edges, gap) &&
                      neighbours.all_of_neighbours(grain_centre(grains[i]), [&](std::size_t j) {
-                         Vec3 between;
+                         Vec3 between = Vec3::Zero();
                          return j <= i || surface_distance(grains[i], grains[j], between) >= gap;
                      });
         }
