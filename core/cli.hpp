@@ -36,7 +36,7 @@ inline constexpr Range not_negative{0, std::numeric_limits<double>::infinity(), 
 struct Argument {
     enum class Kind { input, inputs, output, number, integer, text, choice, flag };
     Kind kind;
-    std::string name;  // "--probe-radius", or the placeholder of a positional argument
+    std::string name;  // "--probe-radius", or the name of a positional argument
     std::string help;
     bool required = false;
     Unit unit = Unit::none;

@@ -34,7 +34,7 @@ std::string unit_text(Unit unit) {
     return "";
 }
 
-std::string placeholder(const Argument& argument) {
+std::string value_name(const Argument& argument) {
     using Kind = Argument::Kind;
     switch (argument.kind) {
         case Kind::number:
@@ -174,11 +174,11 @@ std::string help_text(const Usage& usage) {
         if (positional(argument))
             out << ' ' << argument.name << (argument.kind == Argument::Kind::inputs ? "..." : "");
         else if (argument.required)
-            out << ' ' << argument.name << ' ' << placeholder(argument);
+            out << ' ' << argument.name << ' ' << value_name(argument);
     out << " [options]\n\n";
     std::vector<std::pair<std::string, std::string>> rows;
     for (const auto& argument : usage.arguments()) {
-        const std::string value = positional(argument) ? "" : placeholder(argument);
+        const std::string value = positional(argument) ? "" : value_name(argument);
         rows.emplace_back("  " + argument.name + (value.empty() ? "" : " " + value), full_help(argument));
     }
     rows.emplace_back("  --threads INTEGER", "threads to use [default: every core that this process may use]");
@@ -211,7 +211,7 @@ std::string reference_page(const Usage& usage) {
     for (const auto& argument : usage.arguments()) {
         std::string name = argument.name;
         if (!positional(argument) && argument.kind != Argument::Kind::flag)
-            name += fmt::format(" {}", placeholder(argument));
+            name += fmt::format(" {}", value_name(argument));
         std::string escaped;  // a bar would end the table's cell
         for (char c : name) {
             if (c == '|') escaped += '\\';

@@ -5,7 +5,8 @@
 #include <unistd.h>
 
 #include "core/error.hpp"
-#include "tests/unit/core/temporary_folder.hpp"
+#include "tests/unit/core/file_size_limit.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace tomodem {
 namespace {

@@ -7,7 +7,8 @@
 #include <thread>
 
 #include "core/error.hpp"
-#include "tests/unit/core/temporary_folder.hpp"
+#include "tests/unit/core/file_size_limit.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace tomodem {
 namespace {

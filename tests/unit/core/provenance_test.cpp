@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "core/error.hpp"
-#include "tests/unit/core/temporary_folder.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace tomodem {
 namespace {

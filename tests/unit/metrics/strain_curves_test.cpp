@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "core/error.hpp"
-#include "tests/unit/metrics/scratch_folder.hpp"
 #include "tests/unit/metrics/synthetic_run.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace tomodem {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-class StrainCurvesFile : public ScratchFolder {
+class StrainCurvesFile : public InTemporaryFolder {
  protected:
     /// A run whose one curve besides the strain is given by its points (time, value).
     std::filesystem::path run(const std::vector<std::pair<double, double>>& points, const std::string& unit = "Pa") {

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "core/error.hpp"
-#include "tests/unit/metrics/scratch_folder.hpp"
 #include "tests/unit/metrics/synthetic_run.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace tomodem {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-using VolumeSeries = ScratchFolder;
+using VolumeSeries = InTemporaryFolder;
 
 TEST_F(VolumeSeries, FollowsAKnownChangeOfVolume) {
     const auto path = folder / "run.h5";

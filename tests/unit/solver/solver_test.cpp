@@ -2,10 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include <filesystem>
-
 #include "core/error.hpp"
 #include "core/packing_file.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace tomodem {
 namespace {
@@ -42,9 +41,7 @@ Scene scene(const std::string& load, const std::string& accuracy = "") {
     return parse_scene(phase_a + "[load]\n" + load + "\n[accuracy]\n" + accuracy, "test");
 }
 
-std::filesystem::path temporary(const std::string& name) {
-    return std::filesystem::temp_directory_path() / ("tomodem-" + std::to_string(getpid()) + "-" + name);
-}
+class Solve : public InTemporaryFolder {};
 
 TEST(Relax, KeepsEveryParticleAndItsOrder) {
     const Packing sample = block(6);
@@ -56,8 +53,8 @@ TEST(Relax, KeepsEveryParticleAndItsOrder) {
     EXPECT_LT(result.residual_energy, 1e-4);
 }
 
-TEST(Solve, WritesFramesAndCurvesUpToTheTargetStrain) {
-    const auto file = temporary("run.h5");
+TEST_F(Solve, WritesFramesAndCurvesUpToTheTargetStrain) {
+    const auto file = folder / "run.h5";
     const Scene press = scene("steps = [ { strain = -0.05, rate = 1e-2 } ]",
                               "strain_per_step = 5e-5\nframes = 5\ntime_step = \"auto\"");
     const RunResult result = solve(block(6), press, file, {}, MPI_COMM_WORLD);
@@ -76,24 +73,20 @@ TEST(Solve, WritesFramesAndCurvesUpToTheTargetStrain) {
     EXPECT_GT((run.frame(5).position.front() - run.frame(0).position.front()).z(), 0.05);
     const Observable& section = run.observable("section");
     EXPECT_NEAR(section.value.back(), std::pow(6 * 0.98, 2) * std::exp(0.05), 1e-9);
-    std::filesystem::remove(file);
-    std::filesystem::remove(std::filesystem::path(file).replace_extension(".xdmf"));
 }
 
-TEST(Solve, GivesTheSameStressForASampleOfAnotherSize) {
-    const auto file = temporary("scaled.h5");
+TEST_F(Solve, GivesTheSameStressForASampleOfAnotherSize) {
+    const auto file = folder / "scaled.h5";
     const Scene press = scene("steps = [ { strain = -0.03, rate = 1e-2 } ]", "strain_per_step = 5e-5");
     const double large = solve(block(5, 0.5), press, file, {}, MPI_COMM_WORLD).final_stress;
     const double small = solve(block(5, 0.012), press, file, {}, MPI_COMM_WORLD).final_stress;
     EXPECT_LT(large, -1e6);
     // Round-off grows in a chaotic packing: equal for a while, not to the last digit.
     EXPECT_NEAR(small / large, 1, 1e-2);
-    std::filesystem::remove(file);
-    std::filesystem::remove(std::filesystem::path(file).replace_extension(".xdmf"));
 }
 
-TEST(Solve, PressesAlongTheAxisOfTheScene) {
-    const auto file = temporary("axis.h5");
+TEST_F(Solve, PressesAlongTheAxisOfTheScene) {
+    const auto file = folder / "axis.h5";
     const Scene press = scene("axis = \"x\"\nsteps = [ { strain = -0.2, rate = 1e-2 } ]", "strain_per_step = 5e-5");
     solve(block(6), press, file, {}, MPI_COMM_WORLD);
     const RunReader run(file);
@@ -109,12 +102,10 @@ TEST(Solve, PressesAlongTheAxisOfTheScene) {
     EXPECT_NEAR(std::log(after.x() / before.x()), -0.2, 0.05);  // the faces are rough
     EXPECT_GT(after.y(), before.y());
     EXPECT_GT(after.z(), before.z());
-    std::filesystem::remove(file);
-    std::filesystem::remove(std::filesystem::path(file).replace_extension(".xdmf"));
 }
 
-TEST(Solve, StopsWithAReasonWhenThePackingFallsApart) {
-    const auto file = temporary("apart.h5");
+TEST_F(Solve, StopsWithAReasonWhenThePackingFallsApart) {
+    const auto file = folder / "apart.h5";
     const Scene violent = scene("steps = [ { strain = -1, rate = 5 } ]", "time_step = 5e-3");
     EXPECT_THAT([&] { solve(block(6), violent, file, {}, MPI_COMM_WORLD); },
                 ThrowsMessage<InvalidInput>(HasSubstr("falls apart at strain")));

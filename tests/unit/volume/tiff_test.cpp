@@ -6,7 +6,7 @@
 
 #include "core/error.hpp"
 #include "core/volume.hpp"
-#include "scratch_folder.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace tomodem {
 namespace {
@@ -108,7 +108,7 @@ std::vector<T> counting(std::size_t count, int modulo, int first = 0) {
     return voxels;
 }
 
-class Tiff : public ScratchFolder {
+class Tiff : public InTemporaryFolder {
  protected:
     template <class T>
     void expect_round_trip(const std::vector<T>& voxels, const Format& format) {
@@ -331,7 +331,7 @@ TEST_F(Tiff, RejectsAnImageJStackOfOnePage) {
                 ThrowsMessage<InvalidInput>(HasSubstr("says that it holds 3 slices but it has 1 page")));
 }
 
-class SliceFolder : public ScratchFolder {
+class SliceFolder : public InTemporaryFolder {
  protected:
     void slice(const std::string& name, std::uint8_t value) {
         write_tiff<std::uint8_t>(folder / name, 2, 1, {value, value});
@@ -407,7 +407,7 @@ TEST_F(SliceFolder, RejectsSlicesOfSeveralPages) {
     expect_refused("several pages");
 }
 
-class WrittenVolume : public ScratchFolder {
+class WrittenVolume : public InTemporaryFolder {
  protected:
     int bits_of(const fs::path& path) {
         TIFF* tiff = TIFFOpen(path.c_str(), "r");

@@ -1,8 +1,6 @@
 #pragma once
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <stdlib.h>
-#include <sys/resource.h>
 
 #include <filesystem>
 #include <fstream>
@@ -37,25 +35,6 @@ class InTemporaryFolder : public testing::Test {
     }
 
     std::filesystem::path folder;
-};
-
-/// While it lives, no file of this process grows beyond `bytes`: a disk that fills up, for an unprivileged test.
-class FileSizeLimit {
- public:
-    explicit FileSizeLimit(rlim_t bytes) {
-        ::getrlimit(RLIMIT_FSIZE, &before_);
-        handler_ = ::signal(SIGXFSZ, SIG_IGN);
-        const rlimit limit{bytes, before_.rlim_max};
-        ::setrlimit(RLIMIT_FSIZE, &limit);
-    }
-    ~FileSizeLimit() {
-        ::setrlimit(RLIMIT_FSIZE, &before_);
-        ::signal(SIGXFSZ, handler_);
-    }
-
- private:
-    rlimit before_{};
-    sighandler_t handler_;
 };
 
 }  // namespace tomodem
