@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "core/error.hpp"
@@ -14,10 +13,6 @@ namespace tomodem {
 namespace {
 
 constexpr double pascal_per_megapascal = 1e6;
-
-double mass_of(double stiffness, double period) {
-    return stiffness * period * period / (4 * std::numbers::pi * std::numbers::pi);
-}
 
 PhaseModel compile_phase(const Scene& scene, const Phase& phase, double time_step) {
     const double rate = scene.highest_rate();
@@ -47,7 +42,7 @@ PhaseModel compile_phase(const Scene& scene, const Phase& phase, double time_ste
     return {phase.label,
             {2 * scene.seed_radius, 2 * scene.crown_radius, stiffness, stiffness / phase.stiffness_ratio},
             period,
-            mass_of(stiffness, period),
+            law::mass_for_period(stiffness, period),
             rate * period * period / time_step};
 }
 

@@ -22,10 +22,6 @@ constexpr double skin_over_seed = 0.6;
 /// its surface tension closes pores: a foam's struts then move by 20 seed radii instead of 2.
 constexpr double relaxation_damping = 0.3;
 
-double mass_for(double stiffness, double period) {
-    return stiffness * period * period / (4 * std::numbers::pi * std::numbers::pi);
-}
-
 }  // namespace
 
 struct Simulation::State {
@@ -119,7 +115,7 @@ struct Simulation::State {
         const double crown_volume = 4.0 / 3.0 * std::numbers::pi * std::pow(model.crown_radius, 3);
         for (int i = 0; i < atoms.nlocal; ++i) {
             const PhaseModel& phase = model.phases[atoms.type[i] - 1];
-            atoms.rmass[i] = mass_for(phase.pair.repulsive_stiffness, period_of(phase));
+            atoms.rmass[i] = law::mass_for_period(phase.pair.repulsive_stiffness, period_of(phase));
             atoms.density[i] = atoms.rmass[i] / crown_volume;
         }
         ready = false;

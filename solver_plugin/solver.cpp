@@ -22,7 +22,6 @@ using plugin::Simulation;
 
 /// Kinetic energy over N k_rep r_s^2 above which a packing is falling apart (a calm one has 1e-6 or less).
 constexpr double runaway_energy = 0.05;
-constexpr double default_relaxation_periods = 20;
 constexpr int points_per_window = 10;
 
 class Meter {

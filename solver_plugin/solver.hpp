@@ -22,6 +22,9 @@ struct Cost {
     int processes = 1;
 };
 
+/// Enough for a dense or a porous sample of BILIN to come to rest.
+inline constexpr double default_relaxation_periods = 20;
+
 struct Relaxation {
     Packing sample;                   ///< at rest, `relaxed`; complete on the first process only
     double residual_energy = 0.0;     ///< kinetic energy at the end over N k_rep r_s^2 [-]

@@ -1,4 +1,5 @@
 #pragma once
+#include <numbers>
 
 namespace tomodem::law {
 
@@ -20,6 +21,11 @@ constexpr double bilin_force(const Bilin& law, double distance, double rate) {
     if (distance <= law.seed_distance) return law.repulsive_stiffness * (law.seed_distance - distance);
     if (distance <= law.crown_distance && rate > 0) return law.attractive_stiffness * (law.seed_distance - distance);
     return 0;
+}
+
+/// Mass [g] of a particle whose natural period is t0 = 2 pi sqrt(m / k_rep).
+constexpr double mass_for_period(double repulsive_stiffness, double natural_period) {
+    return repulsive_stiffness * natural_period * natural_period / (4 * std::numbers::pi * std::numbers::pi);
 }
 
 /// Constants of a pair of two materials: the averages of both (method: two materials).

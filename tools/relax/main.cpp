@@ -10,7 +10,7 @@ using namespace tomodem;
 
 struct Request {
     std::filesystem::path sample, scene, relaxed;
-    double periods = 20;
+    double periods = default_relaxation_periods;
 };
 
 cli::Usage usage(Request& request) {
