@@ -171,16 +171,17 @@ std::string help_text(const Usage& usage) {
     std::ostringstream out;
     out << usage.tool() << ": " << usage.purpose() << "\n\nusage: " << usage.tool();
     for (const auto& argument : usage.arguments())
-        if (positional(argument))
-            out << ' ' << argument.name << (argument.kind == Argument::Kind::inputs ? "..." : "");
-        else if (argument.required)
-            out << ' ' << argument.name << ' ' << value_name(argument);
+        if (positional(argument)) out << ' ' << argument.name << (argument.kind == Argument::Kind::inputs ? "..." : "");
+    for (const auto& argument : usage.arguments())
+        if (!positional(argument) && argument.required) out << ' ' << argument.name << ' ' << value_name(argument);
     out << " [options]\n\n";
     std::vector<std::pair<std::string, std::string>> rows;
-    for (const auto& argument : usage.arguments()) {
-        const std::string value = positional(argument) ? "" : value_name(argument);
-        rows.emplace_back("  " + argument.name + (value.empty() ? "" : " " + value), full_help(argument));
-    }
+    for (const bool files : {true, false})
+        for (const auto& argument : usage.arguments()) {
+            if (positional(argument) != files) continue;
+            const std::string value = files ? "" : value_name(argument);
+            rows.emplace_back("  " + argument.name + (value.empty() ? "" : " " + value), full_help(argument));
+        }
     rows.emplace_back("  --threads INTEGER", "threads to use [default: every core that this process may use]");
     rows.emplace_back("  --json FILE", "also write the results, units, time and memory as JSON");
     rows.emplace_back("  --quiet", "print errors only");

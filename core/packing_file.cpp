@@ -222,6 +222,14 @@ Packing read_packing(const fs::path& path, std::int64_t frame) {
     return packing;
 }
 
+Packing read_sample(const fs::path& path) {
+    const RunReader reader(path);
+    if (reader.frame_count() > 1)
+        throw InvalidInput(fmt::format("cannot start from '{}': it is a run of {} frames; give a sample", path.string(),
+                                       reader.frame_count()));
+    return reader.packing();
+}
+
 double value_at(const Observable& curve, double time) {
     if (curve.value.empty()) throw InvalidInput("a curve without points has no value");
     const auto after = std::upper_bound(curve.time.begin(), curve.time.end(), time);

@@ -31,6 +31,10 @@ struct Observable {
 /// @throws InvalidInput if the file is not there, is cut, is not H5MD, or its arrays do not fit together
 Packing read_packing(const std::filesystem::path& path, std::int64_t frame = 0);
 
+/// Reads a sample to be pressed or relaxed: a file of one frame.
+/// @throws InvalidInput as read_packing, and for a run: its section and strain would be forgotten
+Packing read_sample(const std::filesystem::path& path);
+
 /// Writes a file of one frame (atomically), and NAME.xdmf beside it for ParaView.
 void write_packing(const Packing& packing, const std::filesystem::path& path, const Provenance& provenance);
 

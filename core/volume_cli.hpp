@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <string>
 
 #include "core/cli.hpp"
@@ -10,9 +11,9 @@ namespace tomodem {
 /// --relabel and --crop.
 struct VolumeRequest {
     std::filesystem::path path;
-    double voxel_size = 0.0;     ///< mm
-    double slice_spacing = 0.0;  ///< mm, 0: as voxel_size
-    double threshold = 0.0;
+    double voxel_size = 0.0;                                      ///< mm
+    double slice_spacing = 0.0;                                   ///< mm, 0: as voxel_size
+    double threshold = std::numeric_limits<double>::quiet_NaN();  // not given
     std::string origin, relabel, crop;
 };
 

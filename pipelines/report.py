@@ -14,6 +14,7 @@ import io
 import json
 import os
 import pathlib
+import sys
 import tomllib
 
 import matplotlib
@@ -40,6 +41,7 @@ p { max-width: 75ch; }
 figure { margin: 0; border: 1px solid var(--line); border-radius: .5rem; overflow: hidden; }
 figure img, figure svg { display: block; width: 100%; height: auto; }
 figcaption { padding: .55rem .9rem; font-size: .9rem; color: var(--soft); border-top: 1px solid var(--line); }
+.doubt { border-left: .3rem solid var(--accent); background: #fff4ec; padding: .6rem 1rem; max-width: none; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-size: .93rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .4rem .8rem .4rem 0; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
@@ -192,6 +194,25 @@ class Report:
         ]
         return "<div class=figures>" + "".join(f"<div><b>{a}</b><span>{b}</span></div>" for a, b in figures) + "</div>"
 
+    def warnings(self):
+        """What makes a result doubtful, in words; also printed when the report is made."""
+        step = self.step
+        found = []
+        equilibrium = step["equilibrium"]["equilibrium_error"]
+        if equilibrium > 0.05:
+            found.append(f"The two planes differ by {percent(equilibrium, 1)} of their force: inertia or too few particles "
+                         "carry the load. Take a smaller strain_per_step, or smaller particles.")
+        volume = step["volume_change"]["volume_change_last"]
+        if abs(volume) > 0.1:
+            found.append(f"The volume changed by {percent(volume, 1)}: parts that are only a few particles thick sinter into "
+                         "lumps. Take smaller particles (PIXELS_PER_SEED) until the thinnest parts are six particles thick.")
+        if step["run"].get("particles_lost", 0) > 0:
+            found.append(f"{count(step['run']['particles_lost'])} particles were lost.")
+        return found
+
+    def doubts(self):
+        return "".join(f"<p class=doubt>{html.escape(line)}</p>" for line in self.warnings())
+
     def pictures(self):
         parts = ["<h2>Before and after</h2>"]
         for what, caption in PICTURES.items():
@@ -268,6 +289,7 @@ class Report:
         particles = step["sample"]["particles"]
         lost = particles - step["run"]["particles"] + step["run"].get("particles_lost", 0)
         shape, equilibrium, volume = step["shape_factor"], step["equilibrium"], step["volume_change"]
+        at_faces = f"{shape['objects_at_boundary']} left out at the outer faces; " if "objects_at_boundary" in shape else ""
         checks = [
             ("particles lost", f"{lost} of {count(particles)}", ""),
             ("equilibrium error", percent(equilibrium["equilibrium_error"], 3),
@@ -277,7 +299,7 @@ class Report:
              f"at the end; largest on the way {percent(volume['volume_change_extreme'])}"),
             ("objects", str(step["sample"].get("objects", 0)),
              f"{shape['objects_used']} measured, {shape['objects_too_small']} too small, "
-             f"{shape['objects_at_boundary']} left out at the outer faces; "
+             f"{at_faces}"
              f"smallest has {step['sample'].get('smallest_object', 0)} particles"),
         ]
         return (
@@ -323,7 +345,7 @@ class Report:
             '<!doctype html><html lang="en"><head><meta charset="utf-8">'
             '<meta name="viewport" content="width=device-width, initial-scale=1">'
             f"<title>tomodem: {html.escape(self.image_name())}</title><style>{STYLE}</style></head><body><main>"
-            + self.title() + self.key_figures() + self.pictures() + self.curves() + self.errors() + self.costs()
+            + self.title() + self.key_figures() + self.doubts() + self.pictures() + self.curves() + self.errors() + self.costs()
             + self.how() + "</main></body></html>\n"
         )
 
@@ -334,10 +356,13 @@ def main():
     parser.add_argument("report", type=pathlib.Path)
     parser.add_argument("--steps", nargs="+", required=True)
     options = parser.parse_args()
-    page = Report(options.folder, options.steps).page()
+    report = Report(options.folder, options.steps)
+    page = report.page()
     part = options.report.with_name(f".{options.report.name}.part-{os.getpid()}")
     part.write_text(page)
     part.rename(options.report)
+    for line in report.warnings():
+        print("report: warning:", line, file=sys.stderr)
 
 
 main()

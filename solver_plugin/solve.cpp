@@ -24,7 +24,7 @@ cli::Usage usage(Request& request) {
 
 void run(const Request& request) {
     const Scene scene = read_scene(request.scene);
-    const Packing sample = read_packing(request.sample);
+    const Packing sample = read_sample(request.sample);
     Provenance provenance = cli::provenance();
     provenance.scene = scene.text;
     const RunResult result = solve(sample, scene, request.run, provenance, MPI_COMM_WORLD);

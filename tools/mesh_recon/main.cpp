@@ -31,7 +31,7 @@ cli::Usage usage(Request& request) {
         .option("--species", request.species, cli::Unit::none, cli::positive, "only the phase of this label")
         .option("--object", request.object, cli::Unit::none, cli::positive, "only the object of this number")
         .exclusive({"--species", "--object"})
-        .example("mesh_recon run.h5 inclusions.stl --species 2 --probe-radius 0.9mm");
+        .example("mesh_recon run.h5 inclusions.stl --species 2");
 }
 
 void run(const Request& request) {
@@ -42,6 +42,10 @@ void run(const Request& request) {
     const std::vector<Vec3> centres = selected_centres(packing, selection);
     const double probe_radius =
         cli::given("--probe-radius") ? request.probe_radius : default_probe_radius(packing.seed_radius);
+
+    if (probe_radius > 10 * default_probe_radius(packing.seed_radius))
+        cli::warn(fmt::format("a probe of {:g} mm is more than ten particle diameters: little but the hull is left",
+                              probe_radius));
 
     cli::Progress progress("alpha shape", 1.0);
     const AlphaSurface surface =

@@ -16,9 +16,9 @@ Vec3 second_moments(std::span<const Vec3> centres, std::span<const std::size_t> 
     return moments;
 }
 
-double shape_factor(const Vec3& second_moments) {
+double shape_factor(const Vec3& second_moments, int axis) {
     const Vec3 root = second_moments.cwiseSqrt();
-    return root.z() / (0.5 * (root.x() + root.y()));
+    return root[axis] / (0.5 * (root[(axis + 1) % 3] + root[(axis + 2) % 3]));
 }
 
 namespace {

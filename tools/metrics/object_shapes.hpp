@@ -11,12 +11,12 @@ namespace tomodem {
 /// Second moments (Mxx, Myy, Mzz) [mm^2] of the points `members` about their mean, divided by their number.
 Vec3 second_moments(std::span<const Vec3> centres, std::span<const std::size_t> members);
 
-/// S_f = H / D of the ellipsoid that has these second moments: sqrt(Mzz) / ((sqrt(Mxx) + sqrt(Myy)) / 2).
+/// S_f = H / D of the ellipsoid that has these second moments; along z, sqrt(Mzz) / ((sqrt(Mxx) + sqrt(Myy)) / 2).
 ///
-/// H is the height along the load axis z and D the mean of the two widths across it, in the axes of the sample: an
-/// ellipsoid that lies askew is not turned.
+/// H is the height along the load axis (0, 1, 2 for x, y, z) and D the mean of the two widths across it, in the axes of
+/// the sample: an ellipsoid that lies askew is not turned.
 /// @see method.md, "Reconstruction and measures"; thesis section 12.3
-double shape_factor(const Vec3& second_moments);
+double shape_factor(const Vec3& second_moments, int axis = 2);
 
 /// One object of a sample and its particles.
 struct Object {
@@ -38,7 +38,7 @@ struct ChosenObjects {
 /// Objects (number > 0) that have a shape to measure.
 ///
 /// An object is at the boundary if one of its centres is less than a particle diameter from a face of the box that was
-/// filled, or from the smallest box around all centres (a relaxed sample has shrunk from the box it filled).
+/// filled, or from the smallest box around all centres (a relaxed sample is not exactly the box that was filled).
 /// @throws InvalidInput if the packing has no objects, or none is left
 ChosenObjects choose_objects(const Packing& packing, const ObjectChoice& choice);
 

@@ -9,6 +9,7 @@
 
 #include "core/cli.hpp"
 #include "core/packing_file.hpp"
+#include "core/scene.hpp"
 #include "tools/metrics/object_shapes.hpp"
 #include "tools/metrics/strain_curves.hpp"
 #include "tools/metrics/table.hpp"
@@ -23,7 +24,8 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage{"shape_factor", "Shape factor S_f = H / D of the objects of a run, H along z and D across."}
+    return cli::Usage{"shape_factor",
+                      "Shape factor S_f = H / D of the objects of a run, H along the load and D across."}
         .input("RUN", request.run, "run or sample (.h5) whose objects are told apart")
         .output("TABLE", request.table, "one row for each frame and object, to write (.csv)")
         .option("--min-particles", request.min_particles, cli::Unit::particles, {.low = 4},
@@ -43,8 +45,15 @@ Table::Cell cell(const std::optional<double>& value) {
     return value ? Table::Cell(*value) : Table::Cell();
 }
 
+/// Axis of the load, by the scene that the run holds; z for a sample.
+int load_axis(const RunReader& reader, const std::filesystem::path& file) {
+    const std::string& scene = reader.provenance().scene;
+    return scene.empty() ? 2 : parse_scene(scene, file.string()).axis;
+}
+
 void run(const Request& request) {
     const RunReader reader(request.run);
+    const int axis = load_axis(reader, request.run);
     const Packing& packing = reader.packing();
     const ChosenObjects objects = choose_objects(
         packing, {.min_particles = std::size_t(request.min_particles), .exclude_boundary = request.exclude_boundary});
@@ -57,7 +66,7 @@ void run(const Request& request) {
                  "normalised_deviation_weighted [-]", "normalised_plain [-]", "normalised_deviation_plain [-]"});
     std::vector<double> first, weights;
     for (const Object& object : objects.used) {
-        first.push_back(shape_factor(second_moments(packing.position, object.members)));
+        first.push_back(shape_factor(second_moments(packing.position, object.members), axis));
         weights.push_back(double(object.members.size()));
     }
 
@@ -70,7 +79,7 @@ void run(const Request& request) {
         std::vector<double> factors, normalised;
         for (std::size_t k = 0; k < objects.used.size(); ++k) {
             const Object& object = objects.used[k];
-            factors.push_back(shape_factor(second_moments(frame.position, object.members)));
+            factors.push_back(shape_factor(second_moments(frame.position, object.members), axis));
             normalised.push_back(factors[k] / first[k]);
             table.add({std::int64_t(index), frame.time, strain, std::abs(strain), std::int64_t(object.number),
                        std::int64_t(object.species), std::int64_t(object.members.size()), factors[k], normalised[k],
@@ -97,7 +106,7 @@ void run(const Request& request) {
     cli::report("frames", std::int64_t(reader.frame_count()));
     cli::report("objects_used", std::int64_t(objects.used.size()));
     cli::report("objects_too_small", std::int64_t(objects.too_small));
-    cli::report("objects_at_boundary", std::int64_t(objects.at_boundary));
+    if (request.exclude_boundary) cli::report("objects_at_boundary", std::int64_t(objects.at_boundary));
     cli::report("shape_factor_first", weighted_first.mean);
     cli::report("shape_factor_last", weighted.mean);
     if (weighted.deviation) cli::report("shape_factor_last_deviation", *weighted.deviation);

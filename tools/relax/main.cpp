@@ -24,7 +24,7 @@ cli::Usage usage(Request& request) {
 
 void run(const Request& request) {
     const Scene scene = read_scene(request.scene);
-    const Packing sample = read_packing(request.sample);
+    const Packing sample = read_sample(request.sample);
     Provenance provenance = cli::provenance();
     provenance.scene = scene.text;
     const Relaxation result = relax(sample, scene, request.periods, MPI_COMM_WORLD);
@@ -33,7 +33,7 @@ void run(const Request& request) {
     if (rank == 0) write_packing(result.sample, request.relaxed, provenance);
     cli::report("particles", static_cast<std::int64_t>(sample.size()));
     cli::report("steps", result.cost.steps);
-    cli::report("residual_energy", result.residual_energy);
+    cli::report("residual_energy", result.residual_energy, "N k_rep r_s^2");
     cli::report("largest_displacement", result.largest_displacement, "r_s");
     cli::report("processes", static_cast<std::int64_t>(result.cost.processes));
     cli::report("wall_seconds", result.cost.wall_seconds, "s");

@@ -37,6 +37,13 @@ load common
     refuses 1 "no phase with label 7" solve sample.h5 scene.toml run.h5
 }
 
+@test "a run given as the sample" {
+    make_sample sample.h5
+    make_scene scene.toml -0.02
+    solve sample.h5 scene.toml first.h5 --quiet
+    refuses 1 "cannot start from 'first.h5': it is a run of 5 frames" solve first.h5 scene.toml run.h5
+}
+
 @test "under mpirun an error is said once" {
     make_sample sample.h5
     make_scene scene.toml 0.1

@@ -19,6 +19,14 @@ double shape_factor_of(const std::vector<Vec3>& centres) {
     return shape_factor(second_moments(centres, all));
 }
 
+TEST(ShapeFactor, TakesTheHeightAlongTheLoadAxis) {
+    const Vec3 moments(9, 1, 4);
+    EXPECT_DOUBLE_EQ(shape_factor(moments, 2), 2 / 2.0);
+    EXPECT_DOUBLE_EQ(shape_factor(moments, 0), 3 / 1.5);
+    EXPECT_DOUBLE_EQ(shape_factor(moments, 1), 1 / 2.5);
+    EXPECT_DOUBLE_EQ(shape_factor(moments), shape_factor(moments, 2));
+}
+
 TEST(ShapeFactor, OfAnEllipsoidIsItsHeightOverItsMeanWidth) {
     const std::vector<Vec3> centres = synthetic::ellipsoid({4.0, 6.0, 3.0}, 0.2, {7, 8, 9});
     ASSERT_GT(centres.size(), 30000u);
