@@ -41,13 +41,13 @@ ALWAYS_INLINE Force force_on(const Row* position, const Row& own, const std::int
         const Lanes b = *reinterpret_cast<const AliasedLanes*>(position + entry[1]);
         const Lanes c = *reinterpret_cast<const AliasedLanes*>(position + entry[2]);
         const Lanes d = *reinterpret_cast<const AliasedLanes*>(position + entry[3]);
-        const Lanes xy_ab = __builtin_shuffle(a, b, Mask{0, 4, 1, 5});
-        const Lanes xy_cd = __builtin_shuffle(c, d, Mask{0, 4, 1, 5});
-        const Lanes z_ab = __builtin_shuffle(a, b, Mask{2, 6, 3, 7});
-        const Lanes z_cd = __builtin_shuffle(c, d, Mask{2, 6, 3, 7});
-        Lanes dx = own.x - __builtin_shuffle(xy_ab, xy_cd, Mask{0, 1, 4, 5});
-        Lanes dy = own.y - __builtin_shuffle(xy_ab, xy_cd, Mask{2, 3, 6, 7});
-        Lanes dz = own.z - __builtin_shuffle(z_ab, z_cd, Mask{0, 1, 4, 5});
+        const Lanes xy_ab = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+        const Lanes xy_cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+        const Lanes z_ab = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+        const Lanes z_cd = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+        Lanes dx = own.x - __builtin_shufflevector(xy_ab, xy_cd, 0, 1, 4, 5);
+        Lanes dy = own.y - __builtin_shufflevector(xy_ab, xy_cd, 2, 3, 6, 7);
+        Lanes dz = own.z - __builtin_shufflevector(z_ab, z_cd, 0, 1, 4, 5);
         if constexpr (at_boundary) {
             dx = nearest_image(dx);
             dy = nearest_image(dy);
