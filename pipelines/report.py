@@ -205,7 +205,7 @@ class Report:
         volume = step["volume_change"]["volume_change_last"]
         if abs(volume) > 0.1:
             found.append(f"The volume changed by {percent(volume, 1)}: parts that are only a few particles thick sinter into "
-                         "lumps. Take smaller particles (PIXELS_PER_SEED) until the thinnest parts are six particles thick.")
+                         "lumps. Take smaller particles (PIXELS_PER_SEED) until the result no longer changes.")
         if step["run"].get("particles_lost", 0) > 0:
             found.append(f"{count(step['run']['particles_lost'])} particles were lost.")
         return found
