@@ -5,18 +5,33 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "core/error.hpp"
 #include "core/law/bilin_flow.hpp"
-#include "solver_plugin/bilin_pair.hpp"
+#include "solver_plugin/crown_pair.hpp"
+#include "solver_plugin/fix_contact.hpp"
 #include "solver_plugin/planes.hpp"
 #include "solver_plugin/session.hpp"
 
 namespace tomodem::plugin {
 namespace {
 
-/// Neighbour skin over the seed radius: BILIN's packings are cold, and the vector kernel prunes the list anyway.
-constexpr double skin_over_seed = 0.6;
+/// Neighbour skin over the seed radius. BILIN's packings are cold, TRILIN's hot; the vector kernel prunes the list
+/// anyway.
+double skin_over_seed(const Model& model) {
+    return model.trilin ? 1.6 : 0.6;
+}
+
+/// Radius over the mean of particle `id`: a normal distribution cut at three standard deviations, the same everywhere.
+double radius_factor(std::int64_t id, double dispersion) {
+    if (dispersion == 0) return 1;
+    std::mt19937_64 random(static_cast<std::uint64_t>(id) * 0x9E3779B97F4A7C15ULL);
+    std::normal_distribution<double> normal;
+    double deviate = normal(random);
+    while (std::abs(deviate) > 3) deviate = normal(random);
+    return 1 + dispersion * deviate;
+}
 
 /// Drag during relaxation over the critical one. Without it the chatter of the attraction keeps the sample warm, and
 /// its surface tension closes pores: a foam's struts then move by 20 seed radii instead of 2.
@@ -34,13 +49,20 @@ struct Simulation::State {
     std::int64_t count = 0;
     Session session;
     FixPlanes* planes = nullptr;
-    bool ready = false;  ///< LIGGGHTS is set up for the present masses and planes
+    CrownPair* pair = nullptr;
+    FixContact* contact = nullptr;
+    std::vector<std::int32_t> object;  ///< by id - 1, where the law looks at it
+    std::vector<double> hardening;     ///< factor of each phase at present
+    std::int64_t loading_start = 0;    ///< step
+    bool ready = false;                ///< LIGGGHTS is set up for the present masses and planes
 
     State(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
         : communicator(communicator), model(model), axis(axis), session(communicator) {
         MPI_Comm_rank(communicator, &rank);
         scale = model.seed_radius / sample.seed_radius;
         count = static_cast<std::int64_t>(sample.size());
+        if (model.between_objects) object = sample.object;
+        hardening.assign(model.phases.size(), 1.0);
     }
 
     LAMMPS_NS::Atom& atom() { return *session.lmp().atom; }
@@ -78,13 +100,47 @@ struct Simulation::State {
         throw InvalidInput(fmt::format("the model has no phase with label {}", label));
     }
 
-    /// One matrix of a pair constant, as `fix property/global` takes it.
-    template <class Constant>
-    std::string pair_matrix(Constant constant) const {
-        std::string words = std::to_string(model.phases.size());
-        for (const PhaseModel& a : model.phases)
-            for (const PhaseModel& b : model.phases) words += fmt::format(" {:.17g}", constant(mixed(a.pair, b.pair)));
-        return words;
+    /// Laws of all pairs of types with the present strength of each phase.
+    void use_laws() {
+        PairLaws laws;
+        laws.type_count = static_cast<int>(model.phases.size());
+        laws.dispersed = model.radius_dispersion > 0;
+        laws.seed_to_crown = model.seed_radius / model.crown_radius;
+        std::vector<law::Pair> own;
+        for (std::size_t k = 0; k < model.phases.size(); ++k)
+            own.push_back(law::scaled(model.phases[k].pair, hardening[k]));
+        for (const law::Pair& a : own)
+            for (const law::Pair& b : own) laws.of_types.push_back(law::mixed(a, b));
+        pair->use(laws);
+        if (planes == nullptr) return;
+        std::vector<law::Wall> walls(1);  // types count from 1
+        for (const law::Pair& law : own) walls.push_back(law::against_wall(law));
+        planes->use(std::move(walls));
+    }
+
+    /// A phase that hardens keeps its natural period: stiffness and mass grow together, so that no trajectory changes.
+    void harden(double time) {
+        bool changed = false;
+        for (std::size_t k = 0; k < model.phases.size(); ++k) {
+            if (!model.phases[k].hardening) continue;
+            const double factor = model.phases[k].hardening->factor(time);
+            if (factor == hardening[k]) continue;
+            for (int i = 0; i < atom().nlocal; ++i)
+                if (atom().type[i] == static_cast<int>(k) + 1) {
+                    atom().rmass[i] *= factor / hardening[k];
+                    atom().density[i] *= factor / hardening[k];
+                }
+            hardening[k] = factor;
+            changed = true;
+        }
+        if (changed) use_laws();
+    }
+
+    void remember_contacts() {
+        session.command("fix contact all tomodem/contact");
+        contact = static_cast<FixContact*>(session.lmp().modify->find_fix_id("contact"));
+        contact->memory().set_law({.least_outward = law::SelfContact::outward_over_seed * model.seed_radius});
+        if (std::isfinite(model.healing_time)) contact->heal_after(std::llround(model.healing_time / model.time_step));
     }
 
     void create_particles(const Packing& sample) {
@@ -99,7 +155,7 @@ struct Simulation::State {
             atoms.avec->create_atom(type, point.data());
             const int i = atoms.nlocal - 1;
             atoms.tag[i] = static_cast<int>(k) + 1;
-            atoms.radius[i] = model.crown_radius;
+            atoms.radius[i] = model.crown_radius * radius_factor(sample.id[k], model.radius_dispersion);
         }
         atoms.natoms = static_cast<LAMMPS_NS::bigint>(std::llround(total(atoms.nlocal)));
         if (atoms.natoms != count)
@@ -115,7 +171,8 @@ struct Simulation::State {
         const double crown_volume = 4.0 / 3.0 * std::numbers::pi * std::pow(model.crown_radius, 3);
         for (int i = 0; i < atoms.nlocal; ++i) {
             const PhaseModel& phase = model.phases[atoms.type[i] - 1];
-            atoms.rmass[i] = law::mass_for_period(phase.pair.repulsive_stiffness, period_of(phase));
+            const double stiffness = phase.pair.repulsive_stiffness * hardening[atoms.type[i] - 1];
+            atoms.rmass[i] = law::mass_for_period(stiffness, period_of(phase));
             atoms.density[i] = atoms.rmass[i] / crown_volume;
         }
         ready = false;
@@ -177,32 +234,28 @@ Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_
     command("region everywhere block" + corners + " units box");
     command(fmt::format("create_box {} everywhere", model.phases.size()));
     s.create_particles(sample);
+    const double largest_factor = 1 + 3 * model.radius_dispersion;
     // How far the box may shrink: its neighbour bins must hold a crown and a skin even where the sample is flat.
-    const double least = 2 * model.crown_radius + skin_over_seed * model.seed_radius;
+    const double least = 2 * model.crown_radius * largest_factor + skin_over_seed(model) * model.seed_radius;
     LAMMPS_NS::Domain& domain = *s.session.lmp().domain;
     domain.minxlo = domain.minylo = domain.minzlo = -least;
     domain.minxhi = domain.minyhi = domain.minzhi = least;
     s.set_masses([](const PhaseModel& phase) { return phase.natural_period; });
 
-    command(fmt::format("neighbor {:.17g} bin", skin_over_seed * model.seed_radius));
+    command(fmt::format("neighbor {:.17g} bin", skin_over_seed(model) * model.seed_radius));
     command("neigh_modify delay 0 every 1 check yes");
-    const auto global = [&](const std::string& name, const std::string& words) {
-        command(fmt::format("fix {0} all property/global {0} {1}", name, words));
-    };
-    global("repulsiveStiffness",
-           "peratomtypepair " + s.pair_matrix([](const law::Bilin& pair) { return pair.repulsive_stiffness; }));
-    global("attractiveStiffness",
-           "peratomtypepair " + s.pair_matrix([](const law::Bilin& pair) { return pair.attractive_stiffness; }));
-    global("seedToCrown", fmt::format("scalar {:.17g}", model.seed_radius / model.crown_radius));
     // Asked for by LIGGGHTS, read by no law of ours.
     std::string young = "peratomtype", poisson = "peratomtype";
     for (std::size_t k = 0; k < model.phases.size(); ++k) {
         young += " 5e6";
         poisson += " 0.3";
     }
-    global("youngsModulus", young);
-    global("poissonsRatio", poisson);
-    command("pair_style gran model bilin tangential off");
+    command("fix youngsModulus all property/global youngsModulus " + young);
+    command("fix poissonsRatio all property/global poissonsRatio " + poisson);
+    command(fmt::format("pair_style gran model {} tangential off", model.trilin ? "trilin" : "bilin"));
+    s.pair = CrownPair::of(s.session.lmp());
+    s.use_laws();
+    if (!s.object.empty()) s.pair->tell_objects_apart(s.object.data());
     command("pair_coeff * *");
     command(fmt::format("timestep {:.17g}", model.time_step));
     command("fix integration all nve");
@@ -251,12 +304,15 @@ void Simulation::place_planes() {
         s.session.command("fix planes all tomodem/planes");
         s.planes = static_cast<FixPlanes*>(s.session.lmp().modify->find_fix_id("planes"));
     }
+    // Pairs that form before, while the free sample comes to rest, are internal.
+    if (s.model.self_contact && s.contact == nullptr) s.remember_contacts();
     FixPlanes::Motion motion;
     motion.centre = (low + high) / 2;
     motion.initial_height = high - low;
     motion.seed_radius = s.model.seed_radius;
-    motion.first_step = step();
+    motion.first_step = s.loading_start = step();
     s.planes->move(motion);
+    s.use_laws();
     s.ready = false;
 }
 
@@ -272,6 +328,7 @@ void Simulation::run(std::int64_t steps) {
     State& s = *state_;
     if (!s.ready) s.session.command("run 0 post no");
     s.ready = true;
+    if (s.planes != nullptr) s.harden(static_cast<double>(step() + steps / 2 - s.loading_start) * s.model.time_step);
     s.session.command(fmt::format("run {} pre no post no", steps));
 }
 
@@ -301,7 +358,7 @@ Energies Simulation::energies() const {
     for (int i = 0; i < atoms.nlocal; ++i)
         for (int c = 0; c < 3; ++c) kinetic += 0.5 * atoms.rmass[i] * atoms.v[i][c] * atoms.v[i][c];
     const double to_sample = 1 / std::pow(s.scale, 3);
-    return {s.total(kinetic) * to_sample, s.total(seed_energy(&s.session.lmp())) * to_sample};
+    return {s.total(kinetic) * to_sample, s.total(s.pair->seed_energy()) * to_sample};
 }
 
 double Simulation::largest_speed() const {

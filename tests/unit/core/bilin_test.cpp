@@ -1,4 +1,4 @@
-#include "core/law/bilin.hpp"
+#include "core/law/pair.hpp"
 
 #include <gmock/gmock.h>
 
@@ -10,19 +10,19 @@
 namespace tomodem::law {
 namespace {
 
-constexpr Bilin pair{1.0, 1.5, 6.0e9, 6.0e8};
+constexpr Pair pair{1.0, 1.5, 6.0e9, 6.0e8};
 
 TEST(BilinForce, IsLinearInTheSeedAndInTheCrown) {
-    EXPECT_DOUBLE_EQ(bilin_force(pair, 0.9, 0), 6.0e8);
-    EXPECT_DOUBLE_EQ(bilin_force(pair, 1.2, 1), -1.2e8);
-    EXPECT_DOUBLE_EQ(bilin_force(pair, 1.5, 1), -3.0e8);
+    EXPECT_DOUBLE_EQ(pair_force(pair, 0.9, 0), 6.0e8);
+    EXPECT_DOUBLE_EQ(pair_force(pair, 1.2, 1), -1.2e8);
+    EXPECT_DOUBLE_EQ(pair_force(pair, 1.5, 1), -3.0e8);
 }
 
 TEST(BilinForce, VanishesWhileApproachingInTheCrownAndBeyondIt) {
-    EXPECT_EQ(bilin_force(pair, 1.2, -1), 0);
-    EXPECT_EQ(bilin_force(pair, 1.2, 0), 0);
-    EXPECT_EQ(bilin_force(pair, 1.5001, 1), 0);
-    EXPECT_EQ(bilin_force(pair, 1.0, 1), 0);
+    EXPECT_EQ(pair_force(pair, 1.2, -1), 0);
+    EXPECT_EQ(pair_force(pair, 1.2, 0), 0);
+    EXPECT_EQ(pair_force(pair, 1.5001, 1), 0);
+    EXPECT_EQ(pair_force(pair, 1.0, 1), 0);
 }
 
 TEST(BilinMasterCurve, PassesThroughTheThesisPhases) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "core/law/bilin.hpp"
+#include "core/law/pair.hpp"
 #include "solver_plugin/simulation.hpp"
 
 namespace tomodem {
@@ -55,19 +55,19 @@ class LawInLiggghts : public testing::TestWithParam<const char*> {
 INSTANTIATE_TEST_SUITE_P(BothKernels, LawInLiggghts, testing::Values("scalar", "vector"));
 
 TEST_P(LawInLiggghts, RepelsInTheSeedWhateverTheRate) {
-    const law::Bilin law = two_phase_model().phases[0].pair;
+    const law::Pair law = two_phase_model().phases[0].pair;
     for (double distance : {0.5, 0.9, 0.99})
         for (double rate : {-0.2, 0.2}) {
-            const double expected = law::bilin_force(law, distance, rate);
+            const double expected = law::pair_force(law, distance, rate);
             ASSERT_GT(expected, 0);
             EXPECT_NEAR(force_in_liggghts(pair_of(1, 1, distance), rate), expected, relative * law.repulsive_stiffness);
         }
 }
 
 TEST_P(LawInLiggghts, AttractsInTheCrownOnlyWhileSeparating) {
-    const law::Bilin law = two_phase_model().phases[0].pair;
+    const law::Pair law = two_phase_model().phases[0].pair;
     for (double distance : {1.1, 1.3, 1.49}) {
-        const double expected = law::bilin_force(law, distance, 0.2);
+        const double expected = law::pair_force(law, distance, 0.2);
         ASSERT_LT(expected, 0);
         EXPECT_NEAR(force_in_liggghts(pair_of(1, 1, distance), 0.2) / expected, 1, relative);
         EXPECT_EQ(force_in_liggghts(pair_of(1, 1, distance), -0.2), 0);
@@ -80,10 +80,10 @@ TEST_P(LawInLiggghts, EndsAtTheCrown) {
 
 TEST_P(LawInLiggghts, TakesTheAverageOfTwoMaterials) {
     const Model model = two_phase_model();
-    const law::Bilin law = law::mixed(model.phases[0].pair, model.phases[1].pair);
+    const law::Pair law = law::mixed(model.phases[0].pair, model.phases[1].pair);
     EXPECT_DOUBLE_EQ(law.repulsive_stiffness, (6.23e9 + 2.65e9) / 2);
-    EXPECT_NEAR(force_in_liggghts(pair_of(1, 2, 0.8), 0.1) / law::bilin_force(law, 0.8, 0.1), 1, relative);
-    EXPECT_NEAR(force_in_liggghts(pair_of(2, 1, 1.2), 0.1) / law::bilin_force(law, 1.2, 0.1), 1, relative);
+    EXPECT_NEAR(force_in_liggghts(pair_of(1, 2, 0.8), 0.1) / law::pair_force(law, 0.8, 0.1), 1, relative);
+    EXPECT_NEAR(force_in_liggghts(pair_of(2, 1, 1.2), 0.1) / law::pair_force(law, 1.2, 0.1), 1, relative);
 }
 
 TEST_P(LawInLiggghts, IsTheSameAlongEveryLoadingAxis) {
@@ -102,7 +102,7 @@ TEST_P(LawInLiggghts, ActsBetweenParticleAndPlane) {
     Packing pair = pair_of(1, 1, 1);
     pair.position = {Vec3(0, 0, 0), Vec3(0, 0, 10)};
     const Model model = two_phase_model();
-    const law::Bilin law{model.seed_radius, model.crown_radius, 6.23e9, 6.23e8};
+    const law::Pair law{model.seed_radius, model.crown_radius, 6.23e9, 6.23e8};
     for (double distance : {0.3, 0.45, 0.55, 0.7, 0.76}) {
         for (double speed_away : {-0.2, 0.2}) {
             Simulation simulation(pair, model, 2, MPI_COMM_WORLD);
@@ -110,7 +110,7 @@ TEST_P(LawInLiggghts, ActsBetweenParticleAndPlane) {
             // The planes start one seed radius outside and close by a strain: the distance to both is then `distance`.
             simulation.set_loading(std::log(1 + 2 * (distance - model.seed_radius) / 10), 0);
             const auto forces = simulation.forces_at({Vec3(0, 0, speed_away), Vec3(0, 0, -speed_away)});
-            const double expected = law::bilin_force(law, distance, speed_away);
+            const double expected = law::pair_force(law, distance, speed_away);
             EXPECT_NEAR(forces[0].z(), expected, relative * law.repulsive_stiffness) << distance << ' ' << speed_away;
             EXPECT_NEAR(forces[1].z(), -expected, relative * law.repulsive_stiffness) << distance << ' ' << speed_away;
         }

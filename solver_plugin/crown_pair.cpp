@@ -1,0 +1,157 @@
+#include "solver_plugin/crown_pair.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <string_view>
+
+#include "solver_plugin/fix_contact.hpp"
+#include "solver_plugin/registration.hpp"
+#include "solver_plugin/scalar_pairs.hpp"
+
+namespace tomodem::plugin {
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+/// Inner over outer skin: prunings cost little, padding pairs cost much.
+constexpr double inner_skin_share = 0.25;
+
+bool scalar_asked_for() {
+    const char* const kernel = std::getenv("TOMODEM_KERNEL");
+    return kernel != nullptr && std::string_view(kernel) == "scalar";
+}
+
+/// LIGGGHTS keeps the style behind a proxy that does not hand it out.
+std::map<const LAMMPS*, CrownPair*>& pair_styles() {
+    static std::map<const LAMMPS*, CrownPair*> styles;
+    return styles;
+}
+
+NeighbourView view(const NeighList& list) {
+    return {list.inum, list.ilist, list.numneigh, list.firstneigh, NEIGHMASK};
+}
+
+}  // namespace
+
+CrownPair::CrownPair(LAMMPS* lmp, bool trilin) : Pointers(lmp), trilin_(trilin) {
+    pair_styles()[lmp] = this;
+}
+
+CrownPair::~CrownPair() {
+    pair_styles().erase(lmp);
+}
+
+CrownPair* CrownPair::of(const LAMMPS& lmp) {
+    const auto found = pair_styles().find(&lmp);
+    return found == pair_styles().end() ? nullptr : found->second;
+}
+
+void CrownPair::use(const PairLaws& laws) {
+    laws_ = laws;
+    given_ = new_laws_ = true;
+}
+
+void CrownPair::init_granular() {
+    if (force->newton_pair) error->all(FLERR, "models bilin and trilin need 'newton off'");
+    if (!given_) properties_.connect(force->registry, trilin_, trilin_ ? "model trilin" : "model bilin");
+    const int fix = modify->find_fix("contact");
+    contact_ = fix < 0 ? nullptr : dynamic_cast<FixContact*>(modify->fix[fix]);
+}
+
+int64_t CrownPair::hashcode() {
+    return law_hashcode(trilin_);
+}
+
+bool CrownPair::contact_match(const std::string type, const std::string model) {
+    if (type == "normal") return model == (trilin_ ? "trilin" : "bilin");
+    return model == "off" || model == "default";
+}
+
+void CrownPair::write_restart_settings(FILE* file) {
+    const int64_t code = hashcode();
+    std::fwrite(&code, sizeof code, 1, file);
+}
+
+void CrownPair::read_restart_settings(FILE* file, int64_t) {
+    int64_t code = 0;
+    if (comm->me == 0 && std::fread(&code, sizeof code, 1, file) != 1)
+        error->one(FLERR, "cannot read the settings of the pair model");
+}
+
+/// Laws from `fix property/global`, for the radii that the particles have now.
+void CrownPair::read_properties() {
+    // LIGGGHTS holds the constants of the types that occur, not of all that the box may hold.
+    const int types = force->registry.max_type();
+    std::vector<double> radius(types + 1, 0.0);
+    laws_.dispersed = false;
+    for (int i = 0; i < atom->nlocal + atom->nghost; ++i) {
+        double& of_type = radius[atom->type[i]];
+        if (of_type == 0.0) of_type = atom->radius[i];
+        laws_.dispersed = laws_.dispersed || of_type != atom->radius[i];
+    }
+    laws_.type_count = types;
+    laws_.seed_to_crown = properties_.seed_to_crown();
+    laws_.of_types.clear();
+    for (int a = 1; a <= types; ++a)
+        for (int b = 1; b <= types; ++b) laws_.of_types.push_back(properties_.pair(a, b, radius[a] + radius[b]));
+    new_laws_ = true;
+}
+
+ParticleView CrownPair::particles() const {
+    return {atom->x[0], atom->v[0], atom->radius, atom->type, atom->tag, atom->nlocal, atom->nlocal + atom->nghost,
+            object_};
+}
+
+void CrownPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, int) {
+    if (energy_flag || virial_flag)
+        pair->ev_setup(energy_flag, virial_flag);
+    else
+        pair->evflag = pair->vflag_fdotr = 0;
+    if (atom->nlocal + atom->nghost == 0) return;
+    PairStep step;
+    step.number = update->ntimestep;
+    step.time_step = update->dt;
+    step.set_up = update->setupflag;
+    step.rebuilt = neighbor->ago == 0 || step.set_up;
+    if (step.rebuilt && !given_) read_properties();
+    ContactMemory* const memory = contact_ == nullptr ? nullptr : &contact_->memory();
+    if (memory != nullptr) step.rebuilt = contact_->begin_step() || step.rebuilt;
+
+    if (VectorPairs::supported() && !pair->evflag && !scalar_asked_for()) {
+        if (new_laws_) vector_pairs_.set_laws(laws_, inner_skin_share * neighbor->skin);
+        new_laws_ = false;
+        vector_pairs_.add_forces(particles(), view(*pair->list), step, atom->f[0], memory);
+    } else {
+        const auto tally = [&](int i, int j, const double* force, const double* apart) {
+            if (pair->evflag)
+                pair->ev_tally_xyz(i, j, atom->nlocal, 0, 0, 0, force[0], force[1], force[2], apart[0], apart[1],
+                                   apart[2]);
+        };
+        scalar_pairs(laws_, particles(), view(*pair->list), step, atom->f[0], memory, tally);
+    }
+    if (memory != nullptr) memory->finish_step();
+}
+
+double CrownPair::seed_energy() {
+    const NeighList& list = *static_cast<PairGran*>(force->pair)->list;
+    double energy = 0;
+    for (int row = 0; row < list.inum; ++row) {
+        const int i = list.ilist[row];
+        for (int entry = 0; entry < list.numneigh[i]; ++entry) {
+            const int j = list.firstneigh[i][entry] & NEIGHMASK;
+            double squared = 0;
+            for (int axis = 0; axis < 3; ++axis) squared += std::pow(atom->x[i][axis] - atom->x[j][axis], 2);
+            const double seeds = (atom->radius[i] + atom->radius[j]) * laws_.seed_to_crown;
+            if (squared >= seeds * seeds) continue;
+            const law::Pair& law = laws_.of_types[(atom->type[i] - 1) * laws_.type_count + atom->type[j] - 1];
+            // A pair across a process boundary is seen from both sides.
+            const double share = j < atom->nlocal ? 1.0 : 0.5;
+            energy += share * 0.5 * law.repulsive_stiffness * std::pow(seeds - std::sqrt(squared), 2);
+        }
+    }
+    return energy;
+}
+
+}  // namespace tomodem::plugin
