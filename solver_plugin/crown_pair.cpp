@@ -1,5 +1,6 @@
 #include "solver_plugin/crown_pair.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -15,8 +16,11 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-/// Inner over outer skin: prunings cost little, padding pairs cost much.
-constexpr double inner_skin_share = 0.25;
+/// Skin of the vector loop's own list over the crown: small where particles move little (BILIN), as every candidate
+/// costs, larger where they are hot (TRILIN) and lists age fast.
+double inner_skin(bool trilin, double greatest_crown_distance) {
+    return (trilin ? 0.15 : 0.05) * greatest_crown_distance;
+}
 
 bool scalar_asked_for() {
     const char* const kernel = std::getenv("TOMODEM_KERNEL");
@@ -35,7 +39,7 @@ NeighbourView view(const NeighList& list) {
 
 }  // namespace
 
-CrownPair::CrownPair(LAMMPS* lmp, bool trilin) : Pointers(lmp), trilin_(trilin) {
+CrownPair::CrownPair(LAMMPS* lmp, PairGran* owner, bool trilin) : Pointers(lmp), owner_(owner), trilin_(trilin) {
     pair_styles()[lmp] = this;
 }
 
@@ -57,6 +61,11 @@ void CrownPair::init_granular() {
     if (force->newton_pair) error->all(FLERR, "models bilin and trilin need 'newton off'");
     if (!given_) properties_.connect(force->registry, trilin_, trilin_ ? "model trilin" : "model bilin");
     const int fix = modify->find_fix("contact");
+    vectorised_ = VectorPairs::supported() && !scalar_asked_for();
+    // What the scene's loop looks for itself, LIGGGHTS need not.
+    if (vectorised_ && given_)
+        for (int k = 0; k < neighbor->nrequest; ++k)
+            if (neighbor->requests[k]->requestor == owner_) neighbor->requests[k]->occasional = 1;
     contact_ = fix < 0 ? nullptr : dynamic_cast<FixContact*>(modify->fix[fix]);
 }
 
@@ -114,15 +123,19 @@ void CrownPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, 
     step.number = update->ntimestep;
     step.time_step = update->dt;
     step.set_up = update->setupflag;
-    step.rebuilt = neighbor->ago == 0 || step.set_up;
-    if (step.rebuilt && !given_) read_properties();
+    step.renumbered = neighbor->ago == 0 || step.set_up;
+    if (step.renumbered && !given_) read_properties();
     ContactMemory* const memory = contact_ == nullptr ? nullptr : &contact_->memory();
-    if (memory != nullptr) step.rebuilt = contact_->begin_step() || step.rebuilt;
+    if (memory != nullptr) step.renumbered = contact_->begin_step() || step.renumbered;
 
-    if (VectorPairs::supported() && !pair->evflag && !scalar_asked_for()) {
-        if (new_laws_) vector_pairs_.set_laws(laws_, inner_skin_share * neighbor->skin);
+    if (vectorised_ && (given_ || !pair->evflag)) {
+        if (new_laws_) {
+            double crown = 0;
+            for (const law::Pair& law : laws_.of_types) crown = std::max(crown, law.crown_distance);
+            vector_pairs_.set_laws(laws_, inner_skin(trilin_, crown));
+        }
         new_laws_ = false;
-        vector_pairs_.add_forces(particles(), view(*pair->list), step, atom->f[0], memory);
+        vector_pairs_.add_forces(particles(), step, atom->f[0], memory);
     } else {
         const auto tally = [&](int i, int j, const double* force, const double* apart) {
             if (pair->evflag)
@@ -135,22 +148,18 @@ void CrownPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, 
 }
 
 double CrownPair::seed_energy() {
-    const NeighList& list = *static_cast<PairGran*>(force->pair)->list;
+    if (vectorised_) return vector_pairs_.seed_energy(atom->nlocal);
     double energy = 0;
-    for (int row = 0; row < list.inum; ++row) {
-        const int i = list.ilist[row];
-        for (int entry = 0; entry < list.numneigh[i]; ++entry) {
-            const int j = list.firstneigh[i][entry] & NEIGHMASK;
-            double squared = 0;
-            for (int axis = 0; axis < 3; ++axis) squared += std::pow(atom->x[i][axis] - atom->x[j][axis], 2);
-            const double seeds = (atom->radius[i] + atom->radius[j]) * laws_.seed_to_crown;
-            if (squared >= seeds * seeds) continue;
-            const law::Pair& law = laws_.of_types[(atom->type[i] - 1) * laws_.type_count + atom->type[j] - 1];
-            // A pair across a process boundary is seen from both sides.
-            const double share = j < atom->nlocal ? 1.0 : 0.5;
-            energy += share * 0.5 * law.repulsive_stiffness * std::pow(seeds - std::sqrt(squared), 2);
-        }
-    }
+    for_each_pair([&](int i, int j) {
+        double squared = 0;
+        for (int axis = 0; axis < 3; ++axis) squared += std::pow(atom->x[i][axis] - atom->x[j][axis], 2);
+        const double seeds = (atom->radius[i] + atom->radius[j]) * laws_.seed_to_crown;
+        if (squared >= seeds * seeds) return;
+        const law::Pair& law = laws_.of_types[(atom->type[i] - 1) * laws_.type_count + atom->type[j] - 1];
+        // A pair across a process boundary is seen from both sides.
+        const double share = j < atom->nlocal ? 1.0 : 0.5;
+        energy += share * 0.5 * law.repulsive_stiffness * std::pow(seeds - std::sqrt(squared), 2);
+    });
     return energy;
 }
 

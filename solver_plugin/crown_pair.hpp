@@ -20,7 +20,7 @@ class FixContact;
 /// serves everything else. TOMODEM_KERNEL=scalar in the environment forces it.
 class CrownPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranularPairStyle {
  public:
-    CrownPair(LAMMPS_NS::LAMMPS* lmp, bool trilin);
+    CrownPair(LAMMPS_NS::LAMMPS* lmp, LAMMPS_NS::PairGran* owner, bool trilin);
     ~CrownPair() override;
     /// The pair style of this LIGGGHTS, null before its `pair_style` command.
     static CrownPair* of(const LAMMPS_NS::LAMMPS& lmp);
@@ -29,6 +29,19 @@ class CrownPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGra
     void use(const PairLaws& laws);
     /// Attraction only within an object: number of each particle by id - 1, kept by the caller; null: everywhere.
     void tell_objects_apart(const std::int32_t* object) { object_ = object; }
+    /// Calls use(i, j) for every pair that may be in the crown: those of two particles of this process once, those
+    /// with a ghost with i of this process. Between runs, or in a step after the forces.
+    template <class Use>
+    void for_each_pair(Use use) const {
+        if (vectorised_) {
+            vector_pairs_.for_each_pair(use);
+            return;
+        }
+        const LAMMPS_NS::NeighList& list = *owner_->list;
+        for (int row = 0; row < list.inum; ++row)
+            for (int entry = 0, i = list.ilist[row]; entry < list.numneigh[i]; ++entry)
+                use(i, list.firstneigh[i][entry] & NEIGHMASK);
+    }
     /// Elastic energy of the overlapping seeds of this process' share of the pairs.
     double seed_energy();
 
@@ -46,7 +59,9 @@ class CrownPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGra
     void read_properties();
     ParticleView particles() const;
 
+    LAMMPS_NS::PairGran* owner_;
     bool trilin_;
+    bool vectorised_ = false;
     bool given_ = false;    ///< the laws came by use()
     bool new_laws_ = true;  ///< VectorPairs does not know them yet
     PairLaws laws_;

@@ -17,6 +17,7 @@
 #include "input.h"
 #include "modify.h"
 #include "neigh_list.h"
+#include "neigh_request.h"
 #include "neighbor.h"
 #include "update.h"
 // contact models need all of the above

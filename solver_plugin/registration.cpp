@@ -14,8 +14,8 @@ using BilinStyle = ContactModels::GranStyle<ContactModels::TOMODEM_BILIN, 0, 0, 
 using TrilinStyle = ContactModels::GranStyle<ContactModels::TOMODEM_TRILIN, 0, 0, 0, 0>;
 
 template <bool trilin>
-PairStyles::IGranularPairStyle* make_pair(LAMMPS* lmp, PairGran*, int64_t) {
-    return new CrownPair(lmp, trilin);
+PairStyles::IGranularPairStyle* make_pair(LAMMPS* lmp, PairGran* owner, int64_t) {
+    return new CrownPair(lmp, owner, trilin);
 }
 template <class Style>
 Walls::IGranularWall* make_wall(LAMMPS* lmp, FixWallGran* fix, int64_t hash) {

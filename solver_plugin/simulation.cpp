@@ -165,6 +165,18 @@ struct Simulation::State {
         atoms.map_set();
     }
 
+    /// The height that `wanted` centres lie beyond: below it for inward = 1, above it for -1.
+    double face(double low, double high, double wanted, double inward) {
+        double outside = inward > 0 ? low : high, inside = inward > 0 ? high : low;
+        while (std::abs(inside - outside) > 1e-9 * model.seed_radius) {
+            const double middle = (inside + outside) / 2;
+            double beyond = 0;
+            for (int i = 0; i < atom().nlocal; ++i) beyond += inward * (atom().x[i][2] - middle) <= 0;
+            (total(beyond) < wanted ? outside : inside) = middle;
+        }
+        return inside;
+    }
+
     template <class PeriodOf>
     void set_masses(PeriodOf period_of) {
         LAMMPS_NS::Atom& atoms = atom();
@@ -300,6 +312,12 @@ void Simulation::place_planes() {
     high = s.largest(high);
     if (!(high > low))
         throw InvalidInput("the sample has no height along the loading axis: it needs two layers at least");
+    if (s.model.trilin) {
+        const double layer = std::min(s.model.crown_radius - s.model.seed_radius, high - low);
+        const double in_layer = static_cast<double>(s.count) * layer / (high - low);
+        low = s.face(low, high, in_layer, 1) - layer;
+        high = s.face(low, high, in_layer, -1) + layer;
+    }
     if (s.planes == nullptr) {
         s.session.command("fix planes all tomodem/planes");
         s.planes = static_cast<FixPlanes*>(s.session.lmp().modify->find_fix_id("planes"));

@@ -38,7 +38,10 @@ class Simulation {
     /// Ends it: true masses, velocities zero.
     void end_relaxation();
 
-    /// Puts the planes one seed radius outside the outermost particles; their distance less two seeds is H0.
+    /// Puts the planes one seed radius outside the sample's faces; their distance less two seeds is H0.
+    ///
+    /// A face is at the outermost centre. Planes that pull (TRILIN's) must find more to hold: there a face is where the
+    /// layer in their reach, r_c - r_s thick, has as many centres as the sample has on average.
     void place_planes();
     /// Constant true strain rate (signed) from `strain` on, from the next step.
     void set_loading(double strain, double rate);

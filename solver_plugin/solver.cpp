@@ -23,6 +23,8 @@ using plugin::Simulation;
 /// Kinetic energy over N k_rep r_s^2 above which a packing is falling apart (a calm one has 1e-6 or less).
 constexpr double runaway_energy = 0.05;
 constexpr int points_per_window = 10;
+/// Natural periods of rest between planes that pull, for the faces to lie against them.
+constexpr double seating_periods = 20;
 
 class Meter {
  public:
@@ -194,6 +196,10 @@ RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem
     if (first) writer.emplace(pressed, run_file, provenance);
 
     simulation.place_planes();
+    if (model.trilin) {
+        relax_inside(simulation, model, sample, seating_periods);
+        simulation.end_relaxation();
+    }
     const Vec3 edges = sample.box.edges;
     const double initial_section = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];
 

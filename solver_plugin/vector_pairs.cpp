@@ -64,7 +64,7 @@ double VectorPairs::copy_particles(const ParticleView& particles) {
         for (int c = 0; c < 3; ++c) {
             row.position[c] = particles.position[3 * i + c];
             row.velocity[c] = particles.velocity[3 * i + c];
-            const double step = row.position[c] - pruned_at_[3 * i + c];
+            const double step = row.position[c] - listed_at_[3 * i + c];
             moved += step * step;
         }
         farthest = std::max(farthest, moved);
@@ -72,83 +72,66 @@ double VectorPairs::copy_particles(const ParticleView& particles) {
     return farthest;
 }
 
-void VectorPairs::prune(const ParticleView& particles, const NeighbourView& list, const PairStep& step,
-                        const ContactMemory* memory) {
-    ++prunings_;
+void VectorPairs::list_pairs(const ParticleView& particles, const ContactMemory* memory) {
+    ++listings_;
     block_count_ = 0;
     for (int i = 0; i < particles.count; ++i) rows_[i].velocity[3] = particles.radius[i];
-    const int type_pairs = type_count_ * type_count_;
+    double crown = *std::max_element(crown_.begin(), crown_.end());
+    if (dispersed_) crown = 2 * *std::max_element(particles.radius, particles.radius + particles.count);
+    search_.sort(particles.position, particles.local_count, particles.count, crown + inner_skin_);
     by_object_ = particles.object != nullptr;
-    const int classes = (by_object_ ? 2 : 1) * type_count_;
-    kept_.assign(classes, 0);
-    for (int r = 0; r < list.row_count; ++r) {
-        const int i = list.rows[r];
-        const int length = list.lengths[i];
-        const int room = length + lanes;
-        if (scratch_.size() < static_cast<std::size_t>(classes) * room) scratch_.resize(classes * room);
-        const double* const at = rows_[i].position;
-        const int first_law = (particles.type[i] - 1) * type_count_;
-        const std::int32_t object = by_object_ ? particles.object[particles.id[i] - 1] : 0;
-        int farthest = 0;
-        for (int k = 0; k < length; ++k) {
-            const int j = list.neighbours[i][k] & list.index_mask;
-            const double* const there = rows_[j].position;
-            const double dx = at[0] - there[0], dy = at[1] - there[1], dz = at[2] - there[2];
-            int kind = particles.type[j] - 1;
-            double crown = crown_[first_law + kind];
-            if (dispersed_) crown = particles.radius[i] + particles.radius[j];
-            if (by_object_ && particles.object[particles.id[j] - 1] != object) kind += type_count_;
-            const double reach = crown + inner_skin_;
-            scratch_[kind * room + kept_[kind]] = j;
-            kept_[kind] += dx * dx + dy * dy + dz * dz < reach * reach;
-            farthest = std::max(farthest, kept_[kind]);
-        }
-        if (farthest == 0) continue;
-        const std::size_t most = block_count_ + classes * (farthest / lanes + 1) + prefetch_distance;
-        if (blocks_.size() < most) blocks_.resize(most * 5 / 4);
-        for (int kind = 0; kind < classes; ++kind) {
-            std::int32_t* const found = scratch_.data() + static_cast<std::ptrdiff_t>(kind) * room;
-            int& kept = kept_[kind];
-            while (kept % lanes != 0) found[kept++] = i;
-            const int law = first_law + kind % type_count_ + (kind >= type_count_ ? type_pairs : 0);
-            for (int k = 0; k < kept; k += lanes) {
-                Block& block = blocks_[block_count_++];
-                block = {i,
-                         static_cast<std::int16_t>(law),
-                         all_lanes,
-                         0,
-                         {found[k], found[k + 1], found[k + 2], found[k + 3]}};
-                if (memory != nullptr) recall(block, particles, step, *memory);
-            }
-            kept = 0;
+    for (int cell = 0; cell < search_.cell_count(); ++cell) {
+        const int end = search_.first_slot(cell + 1);
+        if (search_.first_slot(cell) == end) continue;
+        search_.enter(cell);
+        found_.resize(std::max(found_.size(), static_cast<std::size_t>(search_.most_found())));
+        for (int slot = search_.first_slot(cell); slot < end; ++slot) {
+            const std::int32_t i = search_.particle(slot);
+            const int count = search_.find(slot, found_.data());
+            if (type_count_ == 1 && !by_object_)
+                add_blocks(i, 0, found_.data(), count, particles, memory);
+            else
+                sort_by_law(i, count, particles, memory);
         }
     }
     blocks_.resize(std::max(blocks_.size(), block_count_ + prefetch_distance));
     std::fill_n(blocks_.begin() + static_cast<std::ptrdiff_t>(block_count_), prefetch_distance, Block{});
-    std::copy_n(particles.position, 3 * static_cast<std::size_t>(particles.count), pruned_at_.begin());
+    std::copy_n(particles.position, 3 * static_cast<std::size_t>(particles.count), listed_at_.begin());
 }
 
-double VectorPairs::pair_crown_squared(const Block& block, int lane) const {
-    if (!dispersed_) return constants_[block.law].crown_squared;
-    const double crown = rows_[block.particle].velocity[3] + rows_[block.neighbour[lane]].velocity[3];
-    return crown * crown;
+/// Neighbours of one particle, class by class.
+void VectorPairs::sort_by_law(std::int32_t i, int count, const ParticleView& particles, const ContactMemory* memory) {
+    const int kinds = (by_object_ ? 2 : 1) * type_count_;
+    const int room = count + lanes;
+    sorted_.resize(std::max(sorted_.size(), static_cast<std::size_t>(kinds) * room));
+    kept_.assign(kinds, 0);
+    const std::int32_t object = by_object_ ? particles.object[particles.id[i] - 1] : 0;
+    for (int k = 0; k < count; ++k) {
+        const std::int32_t j = found_[k];
+        int kind = particles.type[j] - 1;
+        if (by_object_ && particles.object[particles.id[j] - 1] != object) kind += type_count_;
+        sorted_[kind * room + kept_[kind]++] = j;
+    }
+    const int first_law = (particles.type[i] - 1) * type_count_;
+    for (int kind = 0; kind < kinds; ++kind) {
+        const int apart = kind >= type_count_ ? type_count_ * type_count_ : 0;
+        add_blocks(i, first_law + kind % type_count_ + apart, sorted_.data() + static_cast<std::ptrdiff_t>(kind) * room,
+                   kept_[kind], particles, memory);
+    }
 }
 
-/// State of the block's pairs one step ago: where they were follows from the velocities.
-void VectorPairs::recall(Block& block, const ParticleView& particles, const PairStep& step,
-                         const ContactMemory& memory) const {
-    const Row& here = rows_[block.particle];
-    for (int lane = 0; lane < lanes; ++lane) {
-        if (block.neighbour[lane] == block.particle) continue;
-        const Row& there = rows_[block.neighbour[lane]];
-        double squared = 0;
-        for (int c = 0; c < 3; ++c) {
-            double apart = here.position[c] - there.position[c];
-            if (!step.set_up) apart -= step.time_step * (here.velocity[c] - there.velocity[c]);
-            squared += apart * apart;
-        }
-        if (squared > pair_crown_squared(block, lane)) block.inside &= ~(1U << lane);
-        if (memory.is_interface(block.particle, particles.id[block.neighbour[lane]])) block.interface |= 1U << lane;
+/// @param found  with room for `lanes` more
+void VectorPairs::add_blocks(std::int32_t i, int law, std::int32_t* found, int count, const ParticleView& particles,
+                             const ContactMemory* memory) {
+    std::fill_n(found + count, lanes, i);
+    const std::size_t most = block_count_ + count / lanes + 1 + prefetch_distance;
+    if (blocks_.size() < most) blocks_.resize(most * 5 / 4);
+    for (int k = 0; k < count; k += lanes) {
+        Block& block = blocks_[block_count_++];
+        block = {i, static_cast<std::int16_t>(law), all_lanes, 0, {found[k], found[k + 1], found[k + 2], found[k + 3]}};
+        if (memory == nullptr || memory->interfaces(i).empty()) continue;
+        for (int lane = 0; lane < lanes; ++lane)
+            if (memory->is_interface(i, particles.id[block.neighbour[lane]])) block.interface |= 1U << lane;
     }
 }
 
@@ -172,7 +155,8 @@ void VectorPairs::change_state(Block& block, unsigned formed, unsigned left, con
 }
 
 template <unsigned features>
-TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const PairStep& step, ContactMemory* memory) {
+TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const PairStep& step, bool fresh,
+                                       ContactMemory* memory) {
     constexpr bool several_laws = features & 1, bounded = features & 2, dispersed = features & 4;
     constexpr bool remembers = features & 8;
     const __m256d one = _mm256_set1_pd(1), zero = _mm256_setzero_pd();
@@ -189,6 +173,9 @@ TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const Pair
         same_object = constants.same_object;
     };
     use(constants_[0]);
+    // The fourth component is a radius, which has no past. At the first step every pair was where it is.
+    const double step_back = step.set_up ? 0.0 : step.time_step;
+    const __m256d back = _mm256_setr_pd(step_back, step_back, step_back, 0);
     const Row* const rows = rows_.data();
     Force* const forces = forces_.data();
     ContactMemory::Outward* const outward = remembers ? memory->next_outward().data() : nullptr;
@@ -223,6 +210,17 @@ TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const Pair
         const __m256d inside = _mm256_cmp_pd(squared, crown_squared, _CMP_LE_OQ);
         __m256d internal = inside;
         if constexpr (remembers) {
+            if (fresh) {
+                // Where the pairs were one step ago follows from their velocities.
+                for (int k = 0; k < lanes; ++k) {
+                    const __m256d speed = _mm256_sub_pd(moving, _mm256_load_pd(rows[block->neighbour[k]].velocity));
+                    const __m256d before = _mm256_fnmadd_pd(speed, back, apart[k]);
+                    squares[k] = _mm256_mul_pd(before, before);
+                }
+                const __m256d before_squared = sums(squares[0], squares[1], squares[2], squares[3]);
+                block->inside = static_cast<std::uint8_t>(
+                    _mm256_movemask_pd(_mm256_cmp_pd(before_squared, crown_squared, _CMP_LE_OQ)));
+            }
             const auto now = static_cast<unsigned>(_mm256_movemask_pd(inside));
             const unsigned formed = now & ~block->inside, left = block->interface & ~now;
             if ((formed | left) != 0) [[unlikely]]
@@ -266,23 +264,54 @@ TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const Pair
     }
 }
 
-void VectorPairs::add_forces(const ParticleView& particles, const NeighbourView& list, const PairStep& step,
-                             double* forces, ContactMemory* memory) {
+TOMODEM_AVX2 double VectorPairs::seed_energy(int local_count) const {
+    const __m256d zero = _mm256_setzero_pd(), half = _mm256_set1_pd(0.5), one = _mm256_set1_pd(1);
+    const __m128i first_ghost = _mm_set1_epi32(local_count);
+    __m256d energy = zero;
+    for (std::size_t b = 0; b < block_count_; ++b) {
+        const Block& block = blocks_[b];
+        const __m256d here = _mm256_load_pd(rows_[block.particle].position);
+        __m256d squares[lanes];
+        double seeds[lanes];
+        for (int k = 0; k < lanes; ++k) {
+            const Row& other = rows_[block.neighbour[k]];
+            const __m256d apart = _mm256_sub_pd(here, _mm256_load_pd(other.position));
+            squares[k] = _mm256_mul_pd(apart, apart);
+            const bool filling = block.neighbour[k] == block.particle;
+            seeds[k] = filling ? 0.0 : seed_to_crown_ * (rows_[block.particle].velocity[3] + other.velocity[3]);
+        }
+        const __m256d distance = _mm256_sqrt_pd(sums(squares[0], squares[1], squares[2], squares[3]));
+        const __m256d overlap = _mm256_max_pd(_mm256_sub_pd(_mm256_loadu_pd(seeds), distance), zero);
+        // A pair across a process boundary is seen from both sides.
+        const __m128i local =
+            _mm_cmplt_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(block.neighbour)), first_ghost);
+        const __m256d share = _mm256_blendv_pd(half, one, _mm256_castsi256_pd(_mm256_cvtepi32_epi64(local)));
+        const __m256d stiffness = _mm256_set1_pd(0.5 * constants_[block.law].repulsive_stiffness);
+        energy = _mm256_fmadd_pd(_mm256_mul_pd(share, stiffness), _mm256_mul_pd(overlap, overlap), energy);
+    }
+    alignas(32) double each[lanes];
+    _mm256_store_pd(each, energy);
+    return each[0] + each[1] + each[2] + each[3];
+}
+
+void VectorPairs::add_forces(const ParticleView& particles, const PairStep& step, double* forces,
+                             ContactMemory* memory) {
     const auto count = static_cast<std::size_t>(particles.count);
     if (rows_.size() < count) {
         rows_.resize(count, Row{});
         forces_.resize(count, Force{});
-        pruned_at_.resize(3 * count);
+        listed_at_.resize(3 * count);
     }
     const double farthest = copy_particles(particles);
-    if (step.rebuilt || farthest > 0.25 * inner_skin_ * inner_skin_) prune(particles, list, step, memory);
+    const bool fresh = step.renumbered || farthest > 0.25 * inner_skin_ * inner_skin_;
+    if (fresh) list_pairs(particles, memory);
     const bool several_laws = type_count_ > 1 || by_object_;
     const unsigned features = several_laws * 1U + bounded_ * 2U + dispersed_ * 4U + (memory != nullptr) * 8U;
     static constexpr auto loops = []<unsigned... each>(std::integer_sequence<unsigned, each...>) {
         return std::array{&VectorPairs::compute<each>...};
     }
     (std::make_integer_sequence<unsigned, 16>());
-    (this->*loops[features])(particles, step, memory);
+    (this->*loops[features])(particles, step, fresh, memory);
     for (int i = 0; i < particles.count; ++i) {
         if (i < particles.local_count)
             for (int c = 0; c < 3; ++c) forces[3 * i + c] += forces_[i].component[c];

@@ -5,6 +5,7 @@
 
 #include "core/law/pair.hpp"
 #include "solver_plugin/contact_memory.hpp"
+#include "solver_plugin/pair_search.hpp"
 
 namespace tomodem::plugin {
 
@@ -41,31 +42,42 @@ struct PairLaws {
 struct PairStep {
     std::int64_t number = 0;
     double time_step = 0;
-    bool rebuilt = true;  ///< the solver's list is new, or the particles were renumbered
-    bool set_up = true;   ///< first computation: every pair in the crown was there before
+    bool renumbered = true;  ///< the solver has exchanged or sorted particles
+    bool set_up = true;      ///< first computation: every pair in the crown was there before
 };
 
 /// The pair laws on four pairs at once (AVX2), without branches, on a list of its own.
 ///
-/// The solver's list (crown + skin) is pruned to crown + a smaller inner skin; the pruned list is used until a particle
-/// has moved half of that. Positions and velocities are copied to one cache line a particle. Pairs are in blocks of one
-/// particle with four neighbours of one class (types, same or different object), filled up with the particle itself, at
-/// distance zero.
+/// The list (crown + an inner skin) is used until a particle has moved half of that skin. Positions and velocities are
+/// copied to one cache line a particle. Pairs are in blocks of one particle with four neighbours of one class (types,
+/// same or different object), filled up with the particle itself, at distance zero.
 class VectorPairs {
  public:
     /// Whether this machine can run the kernel.
     static bool supported();
 
-    /// @param inner_skin  in the lengths of the positions
+    /// @param inner_skin  added to the crowns when pairs are listed, in the lengths of the positions
     void set_laws(const PairLaws& laws, double inner_skin);
 
     /// Adds the forces of all pairs to those of the local particles.
     /// @param forces  3 per local particle
     /// @param memory  of self-contact, whose next_outward() is added to; null without it
-    void add_forces(const ParticleView& particles, const NeighbourView& list, const PairStep& step, double* forces,
+    void add_forces(const ParticleView& particles, const PairStep& step, double* forces,
                     ContactMemory* memory = nullptr);
 
-    std::int64_t prunings() const { return prunings_; }
+    /// Elastic energy of the overlapping seeds at the last computed step; half of it for pairs with a ghost.
+    double seed_energy(int local_count) const;
+
+    /// Calls use(i, j) for every listed pair.
+    template <class Use>
+    void for_each_pair(Use use) const {
+        for (std::size_t k = 0; k < block_count_; ++k)
+            for (const std::int32_t j : blocks_[k].neighbour)
+                if (j != blocks_[k].particle) use(blocks_[k].particle, j);
+    }
+
+    /// How often the pairs were searched for.
+    std::int64_t listings() const { return listings_; }
 
  private:
     struct alignas(64) Row {
@@ -88,15 +100,15 @@ class VectorPairs {
     };
 
     double copy_particles(const ParticleView& particles);
-    void prune(const ParticleView& particles, const NeighbourView& list, const PairStep& step,
-               const ContactMemory* memory);
-    void recall(Block& block, const ParticleView& particles, const PairStep& step, const ContactMemory& memory) const;
-    double pair_crown_squared(const Block& block, int lane) const;
+    void list_pairs(const ParticleView& particles, const ContactMemory* memory);
+    void sort_by_law(std::int32_t i, int count, const ParticleView& particles, const ContactMemory* memory);
+    void add_blocks(std::int32_t i, int law, std::int32_t* found, int count, const ParticleView& particles,
+                    const ContactMemory* memory);
     void change_state(Block& block, unsigned formed, unsigned left, const ParticleView& particles, const PairStep& step,
                       ContactMemory& memory) const;
     /// One loop for each combination of several laws (1), bounded attraction (2), dispersed radii (4), memory (8).
     template <unsigned features>
-    void compute(const ParticleView& particles, const PairStep& step, ContactMemory* memory);
+    void compute(const ParticleView& particles, const PairStep& step, bool fresh, ContactMemory* memory);
 
     std::vector<PairConstants> constants_;  // of the pairs of types, then the same without attraction
     std::vector<double> crown_;
@@ -106,12 +118,13 @@ class VectorPairs {
     double inner_skin_ = 0;
     std::vector<Row> rows_;
     std::vector<Force> forces_;
-    std::vector<double> pruned_at_;
+    std::vector<double> listed_at_;
     std::vector<Block> blocks_;
     std::size_t block_count_ = 0;  // blocks_ has a tail of empty ones, so that prefetching needs no test
-    std::vector<std::int32_t> scratch_;
+    PairSearch search_;
+    std::vector<std::int32_t> found_, sorted_;
     std::vector<int> kept_;
-    std::int64_t prunings_ = 0;
+    std::int64_t listings_ = 0;
 };
 
 }  // namespace tomodem::plugin

@@ -82,7 +82,7 @@ PairLaws two_materials(bool bounded, bool dispersed = false) {
     return laws;
 }
 
-constexpr PairStep first_step{.number = 0, .time_step = time_step, .rebuilt = true, .set_up = true};
+constexpr PairStep first_step{.number = 0, .time_step = time_step, .renumbered = true, .set_up = true};
 
 std::vector<double> reference(const PairLaws& laws, const Cloud& cloud) {
     std::vector<double> forces(3 * cloud.local, 0.0);
@@ -119,8 +119,7 @@ TEST_P(EveryLoop, DoesWhatTheFormulasDoWhileParticlesMove) {
         if (step > 0) cloud.advance();
         const PairStep now{step, time_step, step == 0, step == 0};
         std::vector<double> forces(3 * cloud.local, 0.0), expected(3 * cloud.local, 0.0);
-        pairs.add_forces(cloud.particles(by_object), cloud.list(), now, forces.data(),
-                         remembers ? &vector_memory : nullptr);
+        pairs.add_forces(cloud.particles(by_object), now, forces.data(), remembers ? &vector_memory : nullptr);
         scalar_pairs(laws, cloud.particles(by_object), cloud.list(), now, expected.data(),
                      remembers ? &scalar_memory : nullptr, [](int, int, const double*, const double*) {});
         expect_equal(forces, expected);
@@ -138,24 +137,24 @@ TEST_P(EveryLoop, DoesWhatTheFormulasDoWhileParticlesMove) {
         }
         most_interfaces = std::max(most_interfaces, interfaces);
     }
-    EXPECT_GT(pairs.prunings(), 3);
+    EXPECT_GT(pairs.listings(), 3);
     if (remembers) EXPECT_GT(most_interfaces, 50) << "the case shows nothing";
 }
 
-TEST(VectorPairs, PruneAgainOnlyWhenAParticleHasMovedHalfTheInnerSkin) {
+TEST(VectorPairs, ListAgainOnlyWhenAParticleHasMovedHalfTheInnerSkin) {
     if (!VectorPairs::supported()) GTEST_SKIP() << "this machine has no AVX2";
     Cloud cloud(400, 60, 1.8);
     const PairLaws laws = two_materials(false);
     VectorPairs pairs;
     pairs.set_laws(laws, 0.1);
     std::vector<double> forces(3 * cloud.local, 0.0);
-    pairs.add_forces(cloud.particles(), cloud.list(), first_step, forces.data());
-    for (const auto& [move, prunings] : {std::pair{0.049, 1}, std::pair{0.002, 2}}) {
+    pairs.add_forces(cloud.particles(), first_step, forces.data());
+    for (const auto& [move, listings] : {std::pair{0.049, 1}, std::pair{0.002, 2}}) {
         for (double& x : cloud.position) x += move / std::sqrt(3.0);
         std::swap(cloud.velocity[0], cloud.velocity[7]);
         forces.assign(forces.size(), 0.0);
-        pairs.add_forces(cloud.particles(), cloud.list(), {1, time_step, false, false}, forces.data());
-        EXPECT_EQ(pairs.prunings(), prunings);
+        pairs.add_forces(cloud.particles(), {1, time_step, false, false}, forces.data());
+        EXPECT_EQ(pairs.listings(), listings);
         expect_equal(forces, reference(laws, cloud));
     }
 }
@@ -166,9 +165,9 @@ TEST(VectorPairs, AddToWhatIsThere) {
     VectorPairs pairs;
     pairs.set_laws(two_materials(true), 0.1);
     std::vector<double> once(3 * cloud.local, 0.0), twice(3 * cloud.local, 0.0);
-    pairs.add_forces(cloud.particles(), cloud.list(), first_step, once.data());
-    pairs.add_forces(cloud.particles(), cloud.list(), first_step, twice.data());
-    pairs.add_forces(cloud.particles(), cloud.list(), {1, time_step, false, false}, twice.data());
+    pairs.add_forces(cloud.particles(), first_step, once.data());
+    pairs.add_forces(cloud.particles(), first_step, twice.data());
+    pairs.add_forces(cloud.particles(), {1, time_step, false, false}, twice.data());
     for (std::size_t k = 0; k < once.size(); ++k) EXPECT_DOUBLE_EQ(twice[k], 2 * once[k]);
 }
 
