@@ -42,6 +42,8 @@ class CrownPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGra
             for (int entry = 0, i = list.ilist[row]; entry < list.numneigh[i]; ++entry)
                 use(i, list.firstneigh[i][entry] & NEIGHMASK);
     }
+    /// Null where the scalar loop runs.
+    VectorPairs* vector_pairs() { return vectorised_ ? &vector_pairs_ : nullptr; }
     /// Elastic energy of the overlapping seeds of this process' share of the pairs.
     double seed_energy();
 

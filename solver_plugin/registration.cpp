@@ -2,6 +2,7 @@
 
 #include "solver_plugin/crown_pair.hpp"
 #include "solver_plugin/fix_contact.hpp"
+#include "solver_plugin/fix_integrate.hpp"
 #include "solver_plugin/planes.hpp"
 
 namespace tomodem::plugin {
@@ -61,6 +62,7 @@ void register_laws() {
 void register_fixes(LAMMPS& lmp) {
     auto& styles = *(lmp.modify->*member(FixMap()));
     styles["tomodem/planes"] = &make_fix<FixPlanes>;
+    styles["tomodem/integrate"] = &make_fix<FixIntegrate>;
     styles["tomodem/contact"] = &make_fix<FixContact>;
 }
 

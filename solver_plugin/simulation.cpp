@@ -270,7 +270,7 @@ Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_
     if (!s.object.empty()) s.pair->tell_objects_apart(s.object.data());
     command("pair_coeff * *");
     command(fmt::format("timestep {:.17g}", model.time_step));
-    command("fix integration all nve");
+    command("fix integration all tomodem/integrate");
     command("thermo_style custom step atoms");
     command("thermo_modify lost ignore norm no");
     command("thermo 0");

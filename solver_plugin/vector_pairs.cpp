@@ -56,9 +56,30 @@ void VectorPairs::set_laws(const PairLaws& laws, double inner_skin) {
         }
 }
 
-double VectorPairs::copy_particles(const ParticleView& particles) {
+void VectorPairs::integrate(const MovingView& particles, double kick, double drift) {
+    if (rows_.size() < static_cast<std::size_t>(particles.count)) make_room(particles.count);
     double farthest = 0;
     for (int i = 0; i < particles.count; ++i) {
+        const double per_force = kick / particles.mass[i];
+        double* const x = particles.position + 3 * static_cast<std::ptrdiff_t>(i);
+        double* const v = particles.velocity + 3 * static_cast<std::ptrdiff_t>(i);
+        const double* const f = particles.force + 3 * static_cast<std::ptrdiff_t>(i);
+        double moved = 0;
+        for (int c = 0; c < 3; ++c) {
+            v[c] += per_force * f[c];
+            x[c] += drift * v[c];
+            rows_[i].position[c] = x[c];
+            rows_[i].velocity[c] = v[c];
+            moved += (x[c] - listed_at_[3 * i + c]) * (x[c] - listed_at_[3 * i + c]);
+        }
+        farthest = std::max(farthest, moved);
+    }
+    farthest_ = farthest;
+    integrated_ = particles.count;
+}
+
+void VectorPairs::copy_particles(const ParticleView& particles, int first) {
+    for (int i = first; i < particles.count; ++i) {
         Row& row = rows_[i];
         double moved = 0;
         for (int c = 0; c < 3; ++c) {
@@ -67,9 +88,14 @@ double VectorPairs::copy_particles(const ParticleView& particles) {
             const double step = row.position[c] - listed_at_[3 * i + c];
             moved += step * step;
         }
-        farthest = std::max(farthest, moved);
+        farthest_ = std::max(farthest_, moved);
     }
-    return farthest;
+}
+
+void VectorPairs::make_room(std::size_t count) {
+    rows_.resize(count, Row{});
+    forces_.resize(count, Force{});
+    listed_at_.resize(3 * count);
 }
 
 void VectorPairs::list_pairs(const ParticleView& particles, const ContactMemory* memory) {
@@ -297,13 +323,12 @@ TOMODEM_AVX2 double VectorPairs::seed_energy(int local_count) const {
 void VectorPairs::add_forces(const ParticleView& particles, const PairStep& step, double* forces,
                              ContactMemory* memory) {
     const auto count = static_cast<std::size_t>(particles.count);
-    if (rows_.size() < count) {
-        rows_.resize(count, Row{});
-        forces_.resize(count, Force{});
-        listed_at_.resize(3 * count);
-    }
-    const double farthest = copy_particles(particles);
-    const bool fresh = step.renumbered || farthest > 0.25 * inner_skin_ * inner_skin_;
+    if (rows_.size() < count) make_room(count);
+    if (step.renumbered) integrated_ = 0;
+    copy_particles(particles, integrated_);
+    const bool fresh = step.renumbered || farthest_ > 0.25 * inner_skin_ * inner_skin_;
+    integrated_ = 0;
+    farthest_ = 0;
     if (fresh) list_pairs(particles, memory);
     const bool several_laws = type_count_ > 1 || by_object_;
     const unsigned features = several_laws * 1U + bounded_ * 2U + dispersed_ * 4U + (memory != nullptr) * 8U;

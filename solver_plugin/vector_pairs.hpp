@@ -30,6 +30,15 @@ struct NeighbourView {
     int index_mask;
 };
 
+/// What integration moves: the local particles. Arrays are not owned.
+struct MovingView {
+    double* position;     ///< 3 per particle
+    double* velocity;     ///< 3 per particle
+    const double* force;  ///< 3 per particle
+    const double* mass;
+    int count;
+};
+
 /// What a sample needs of the pair loop; each combination has a loop of its own.
 struct PairLaws {
     std::vector<law::Pair> of_types;  ///< type_count^2, row by row, for particles of the type's nominal radius
@@ -58,6 +67,9 @@ class VectorPairs {
 
     /// @param inner_skin  added to the crowns when pairs are listed, in the lengths of the positions
     void set_laws(const PairLaws& laws, double inner_skin);
+
+    /// v += kick f / m, x += drift v; the next add_forces() finds the particles in its own rows.
+    void integrate(const MovingView& particles, double kick, double drift);
 
     /// Adds the forces of all pairs to those of the local particles.
     /// @param forces  3 per local particle
@@ -99,7 +111,8 @@ class VectorPairs {
         bool same_object;
     };
 
-    double copy_particles(const ParticleView& particles);
+    void make_room(std::size_t count);
+    void copy_particles(const ParticleView& particles, int first);
     void list_pairs(const ParticleView& particles, const ContactMemory* memory);
     void sort_by_law(std::int32_t i, int count, const ParticleView& particles, const ContactMemory* memory);
     void add_blocks(std::int32_t i, int law, std::int32_t* found, int count, const ParticleView& particles,
@@ -117,6 +130,8 @@ class VectorPairs {
     int type_count_ = 0;
     double inner_skin_ = 0;
     std::vector<Row> rows_;
+    int integrated_ = 0;   // rows that integrate() has brought up to date
+    double farthest_ = 0;  // square of the longest way since the list was made
     std::vector<Force> forces_;
     std::vector<double> listed_at_;
     std::vector<Block> blocks_;
