@@ -53,8 +53,9 @@ struct Simulation::State {
     FixContact* contact = nullptr;
     std::vector<std::int32_t> object;  ///< by id - 1, where the law looks at it
     std::vector<double> hardening;     ///< factor of each phase at present
-    std::int64_t loading_start = 0;    ///< step
-    bool ready = false;                ///< LIGGGHTS is set up for the present masses and planes
+    bool relaxing = false;
+    std::int64_t loading_start = 0;  ///< step
+    bool ready = false;              ///< LIGGGHTS is set up for the present masses and planes
 
     State(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
         : communicator(communicator), model(model), axis(axis), session(communicator) {
@@ -62,7 +63,8 @@ struct Simulation::State {
         scale = model.seed_radius / sample.seed_radius;
         count = static_cast<std::int64_t>(sample.size());
         if (model.between_objects) object = sample.object;
-        hardening.assign(model.phases.size(), 1.0);
+        for (const PhaseModel& phase : model.phases)
+            hardening.push_back(phase.hardening ? phase.hardening->factor(0) : 1.0);
     }
 
     LAMMPS_NS::Atom& atom() { return *session.lmp().atom; }
@@ -283,17 +285,21 @@ void Simulation::begin_relaxation() {
     const double period = law::least_steps_per_period * s.model.time_step;
     s.set_masses([period](const PhaseModel&) { return period; });
     // Viscous drag of a share of the critical one, 2 sqrt(k_rep m) = k_rep period / pi.
-    const auto drag = [&](const PhaseModel& phase) {
-        return relaxation_damping * phase.pair.repulsive_stiffness * period / std::numbers::pi;
+    const auto drag = [&](std::size_t phase) {
+        const double stiffness = s.model.phases[phase].pair.repulsive_stiffness * s.hardening[phase];
+        return relaxation_damping * stiffness * period / std::numbers::pi;
     };
-    std::string words = fmt::format("fix drag all viscous {:.17g}", drag(s.model.phases.front()));
+    std::string words = fmt::format("fix drag all viscous {:.17g}", drag(0));
     for (std::size_t k = 1; k < s.model.phases.size(); ++k)
-        words += fmt::format(" scale {} {:.17g}", k + 1, drag(s.model.phases[k]) / drag(s.model.phases.front()));
+        words += fmt::format(" scale {} {:.17g}", k + 1, drag(k) / drag(0));
     s.session.command(words);
+    s.relaxing = true;
 }
 
 void Simulation::end_relaxation() {
     state_->session.command("unfix drag");
+    state_->relaxing = false;
+    state_->loading_start = step();
     LAMMPS_NS::Atom& atoms = state_->atom();
     for (int i = 0; i < atoms.nlocal; ++i)
         for (int c = 0; c < 3; ++c) atoms.v[i][c] = 0;
@@ -346,7 +352,7 @@ void Simulation::run(std::int64_t steps) {
     State& s = *state_;
     if (!s.ready) s.session.command("run 0 post no");
     s.ready = true;
-    if (s.planes != nullptr) s.harden(static_cast<double>(step() + steps / 2 - s.loading_start) * s.model.time_step);
+    if (!s.relaxing) s.harden(static_cast<double>(step() + steps / 2 - s.loading_start) * s.model.time_step);
     s.session.command(fmt::format("run {} pre no post no", steps));
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "core/law/bilin_flow.hpp"
+#include "core/law/self_contact.hpp"
 
 namespace tomodem::law {
 namespace {
@@ -23,6 +24,42 @@ TEST(BilinForce, VanishesWhileApproachingInTheCrownAndBeyondIt) {
     EXPECT_EQ(pair_force(pair, 1.2, 0), 0);
     EXPECT_EQ(pair_force(pair, 1.5001, 1), 0);
     EXPECT_EQ(pair_force(pair, 1.0, 1), 0);
+}
+
+TEST(TrilinForce, PullsNoHarderThanItsBound) {
+    Pair bounded = pair;
+    bounded.greatest_attraction = 1e8;
+    EXPECT_NEAR(pair_force(bounded, 1.1, 1), -0.6e8, 1);
+    EXPECT_DOUBLE_EQ(pair_force(bounded, 1.4, 1), -1e8);
+    EXPECT_EQ(pair_force(bounded, 1.4, -1), 0);
+    EXPECT_DOUBLE_EQ(pair_force(bounded, 0.9, 1), 6.0e8);
+}
+
+TEST(TrilinWall, PullsThreeTimesAsHardWhateverTheRate) {
+    Pair bounded = pair;
+    bounded.greatest_attraction = 1e8;
+    const Wall wall = against_wall(bounded);
+    EXPECT_DOUBLE_EQ(wall_force(wall, 0.6, -1), -3 * 0.6e8);
+    EXPECT_DOUBLE_EQ(wall_force(wall, 0.7, -1), -3e8);
+    EXPECT_DOUBLE_EQ(wall_force(wall, 0.4, -1), 6.0e8);
+    EXPECT_EQ(wall_force(wall, 0.76, 1), 0);
+}
+
+TEST(BilinWall, PullsLikeAParticleAndOnlyWhileSeparating) {
+    EXPECT_DOUBLE_EQ(wall_force(against_wall(pair), 0.6, 1), -0.6e8);
+    EXPECT_EQ(wall_force(against_wall(pair), 0.6, -1), 0);
+}
+
+TEST(SelfContact, IsAnInterfaceWhereTwoFreeSurfacesMeet) {
+    const SelfContact law{.least_outward = 2.3};
+    const double up[3] = {0, 0, 3}, down[3] = {0, 0, -3}, weak[3] = {0, 0, -2}, line_up[3] = {0, 0, 1.4};
+    const double tilted[3] = {3 * std::sin(1.2), 0, 3 * std::cos(1.2)};
+    EXPECT_TRUE(is_interface(law, up, down, line_up));
+    EXPECT_TRUE(is_interface(law, up, weak, line_up)) << "one surface is enough";
+    EXPECT_FALSE(is_interface(law, weak, weak, line_up)) << "inside";
+    EXPECT_FALSE(is_interface(law, up, up, line_up)) << "one surface, not two";
+    EXPECT_FALSE(is_interface(law, down, up, line_up)) << "surfaces that look away";
+    EXPECT_TRUE(is_interface(law, up, tilted, line_up)) << "69 degrees between the surfaces";
 }
 
 TEST(BilinMasterCurve, PassesThroughTheThesisPhases) {
