@@ -157,7 +157,7 @@ TEST_P(LawInLiggghts, ScalesSeedAndCrownWithTheRadiiOfThePair) {
     // The sum of the radii from where the repulsion ends; it is the same for every distance.
     const auto force_at = [&](double distance) {
         Packing pair = pair_of(1, 1, distance);
-        pair.id = {1, 3};
+        pair.id = {1, 4};
         return force_on_second(pair, model, 0.1);
     };
     const double seeds = 0.8 + force_at(0.8) / 1.42e9;
