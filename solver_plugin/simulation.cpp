@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "core/error.hpp"
@@ -13,6 +14,7 @@
 #include "solver_plugin/fix_contact.hpp"
 #include "solver_plugin/planes.hpp"
 #include "solver_plugin/session.hpp"
+#include "solver_plugin/surfaces.hpp"
 
 namespace tomodem::plugin {
 namespace {
@@ -49,13 +51,16 @@ struct Simulation::State {
     std::int64_t count = 0;
     Session session;
     FixPlanes* planes = nullptr;
+    std::vector<FixSurface*> surfaces;
+    LoadSegment segment;             ///< the present one
+    std::int64_t segment_start = 0;  ///< its first step
     CrownPair* pair = nullptr;
     FixContact* contact = nullptr;
     std::vector<std::int32_t> object;  ///< by id - 1, where the law looks at it
     std::vector<double> hardening;     ///< factor of each phase at present
     bool relaxing = false;
     std::int64_t loading_start = 0;  ///< step
-    bool ready = false;              ///< LIGGGHTS is set up for the present masses and planes
+    bool ready = false;              ///< LIGGGHTS is set up for the present masses, planes and walls
 
     State(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
         : communicator(communicator), model(model), axis(axis), session(communicator) {
@@ -114,10 +119,10 @@ struct Simulation::State {
         for (const law::Pair& a : own)
             for (const law::Pair& b : own) laws.of_types.push_back(law::mixed(a, b));
         pair->use(laws);
-        if (planes == nullptr) return;
         std::vector<law::Wall> walls(1);  // types count from 1
         for (const law::Pair& law : own) walls.push_back(law::against_wall(law));
-        planes->use(std::move(walls));
+        if (planes != nullptr) planes->use(walls);
+        for (FixSurface* surface : surfaces) surface->use(walls);
     }
 
     /// A phase that hardens keeps its natural period: stiffness and mass grow together, so that no trajectory changes.
@@ -143,6 +148,13 @@ struct Simulation::State {
         contact = static_cast<FixContact*>(session.lmp().modify->find_fix_id("contact"));
         contact->memory().set_law({.least_outward = law::SelfContact::outward_over_seed * model.seed_radius});
         if (std::isfinite(model.healing_time)) contact->heal_after(std::llround(model.healing_time / model.time_step));
+    }
+
+    /// With the first plane or wall: what counts from the start of the loading begins.
+    void begin_loading() {
+        // Pairs that form before, while the free sample comes to rest, are internal.
+        if (model.self_contact && contact == nullptr) remember_contacts();
+        loading_start = session.lmp().update->ntimestep;
     }
 
     void create_particles(const Packing& sample) {
@@ -328,24 +340,46 @@ void Simulation::place_planes() {
         s.session.command("fix planes all tomodem/planes");
         s.planes = static_cast<FixPlanes*>(s.session.lmp().modify->find_fix_id("planes"));
     }
-    // Pairs that form before, while the free sample comes to rest, are internal.
-    if (s.model.self_contact && s.contact == nullptr) s.remember_contacts();
+    s.begin_loading();
     FixPlanes::Motion motion;
     motion.centre = (low + high) / 2;
     motion.initial_height = high - low;
     motion.seed_radius = s.model.seed_radius;
-    motion.first_step = s.loading_start = step();
+    motion.first_step = step();
     s.planes->move(motion);
     s.use_laws();
     s.ready = false;
 }
 
-void Simulation::set_loading(double strain, double rate) {
-    FixPlanes::Motion motion = state_->planes->motion();
-    motion.strain = strain;
-    motion.rate = rate;
+std::int64_t Simulation::place_wall(const TriangleMesh& mesh, const Wall& wall) {
+    State& s = *state_;
+    const std::string name = fmt::format("wall{}", s.surfaces.size());
+    s.session.command(fmt::format("fix {} all tomodem/surface", name));
+    auto* const fix = static_cast<FixSurface*>(s.session.lmp().modify->find_fix_id(name.c_str()));
+    TriangleMesh placed = mesh;
+    for (Vec3& vertex : placed.vertices) vertex = s.to_solver(vertex);
+    FixSurface::Motion motion;
+    for (int c = 0; c < 3; ++c) motion.velocity[c] = s.scale * wall.velocity[s.turned(c)];
+    motion.start = wall.start;
+    motion.stop = wall.stop;
     motion.first_step = step();
-    state_->planes->move(motion);
+    fix->place(placed, motion);
+    s.surfaces.push_back(fix);
+    s.begin_loading();
+    s.use_laws();
+    s.ready = false;
+    return std::llround(s.total(static_cast<double>(fix->particles_within(0.5 * s.model.seed_radius))));
+}
+
+void Simulation::set_loading(const LoadSegment& segment) {
+    State& s = *state_;
+    s.segment = segment;
+    s.segment_start = step();
+    if (s.planes == nullptr) return;
+    FixPlanes::Motion motion = s.planes->motion();
+    motion.segment = segment;
+    motion.first_step = s.segment_start;
+    s.planes->move(motion);
 }
 
 void Simulation::run(std::int64_t steps) {
@@ -361,10 +395,24 @@ std::int64_t Simulation::step() const {
 }
 
 double Simulation::strain() const {
-    return state_->planes->strain_at(step());
+    const double time = state_->model.time_step * static_cast<double>(step() - state_->segment_start);
+    return state_->segment.strain_at(time);
+}
+
+std::vector<Vec3> Simulation::take_wall_forces() {
+    const State& s = *state_;
+    std::vector<Vec3> forces;
+    for (FixSurface* wall : s.surfaces) {
+        const FixSurface::Forces mine = wall->take_forces();
+        Vec3 sum;
+        for (int c = 0; c < 3; ++c) sum[c] = s.total(mine.sum[c]);
+        forces.push_back(s.turned_back(sum) / (std::max(1L, mine.steps) * s.scale * s.scale));
+    }
+    return forces;
 }
 
 PlaneForces Simulation::take_forces() {
+    if (state_->planes == nullptr) return {};
     const FixPlanes::Forces mine = state_->planes->take_forces();
     PlaneForces forces;
     forces.steps = mine.steps;
