@@ -12,10 +12,14 @@ std::int64_t whole_steps(double duration, double time_step) {
     return static_cast<std::int64_t>(std::max(1.0, std::round(duration / time_step)));
 }
 
-/// Smooth rise of the rate from `from` to `to` [1/s], flat at both ends, over about `strain` in magnitude.
-LoadSegment ramp(double start_strain, double from, double to, double strain, double time_step) {
-    LoadSegment segment{.strain = start_strain, .rate = {}, .time_step = time_step, .initiates = true};
-    segment.steps = whole_steps(2 * strain / std::abs(from + to), time_step);
+/// Smooth rise of the rate from `from` to `to` [1/s], flat at both ends, over about the strain of the initiation.
+LoadSegment ramp(double start_strain, double from, double to, const Initiation& initiation, double time_step) {
+    LoadSegment segment{.strain = start_strain,
+                        .time_step = time_step,
+                        .initiates = true,
+                        .affine = initiation.affine,
+                        .noise = initiation.noise * std::abs(to)};
+    segment.steps = whole_steps(2 * initiation.strain / std::abs(from + to), time_step);
     const double duration = static_cast<double>(segment.steps) * time_step, change = to - from;
     segment.rate = {from, 0, 3 * change / std::pow(duration, 2), -2 * change / std::pow(duration, 3)};
     return segment;
@@ -72,7 +76,7 @@ std::vector<LoadSegment> load_path(const Scene& scene, double time_step) {
         // A change of direction starts from rest, so that the strain before it is not overrun.
         const double from = last_rate * sign > 0 ? last_rate : 0;
         if (scene.initiation && from != wanted) {
-            path.push_back(ramp(reached, from, wanted, scene.initiation->strain, time_step));
+            path.push_back(ramp(reached, from, wanted, *scene.initiation, time_step));
             reached = path.back().end_strain();
         }
         const double change = std::abs(step.strain - reached);

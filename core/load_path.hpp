@@ -15,7 +15,9 @@ struct LoadSegment {
     std::vector<double> rate{};  ///< signed coefficients [1/s, 1/s^2, ...] of the true strain rate in time
     std::int64_t steps = 0;      ///< whole time steps; after the last the strain is the target
     double time_step = 0.0;      ///< s
-    bool initiates = false;      ///< a ramp that starts a flow: the particles are taken along (Scene::initiation)
+    bool initiates = false;      ///< a ramp that starts a flow or changes its rate
+    bool affine = false;         ///< the particles are accelerated with the flow (Initiation)
+    double noise = 0.0;          ///< random velocity given at the start over 2 r_s [1/s]
 
     double rate_at(double time) const;    ///< signed [1/s]
     double strain_at(double time) const;  ///< [-]

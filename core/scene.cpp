@@ -227,6 +227,7 @@ Initiation read_initiation(TableReader reader) {
     Initiation initiation;
     reader.get("strain");
     initiation.strain = *reader.positive("strain");
+    initiation.affine = reader.boolean("affine").value_or(initiation.affine);
     if (const toml::node* noise = reader.find("noise")) {
         initiation.noise = reader.number(*noise, "noise");
         if (!(initiation.noise >= 0 && initiation.noise <= 10))
@@ -260,6 +261,7 @@ std::vector<LoadStep> read_steps(const toml::node& steps, TableReader& reader, c
 }
 
 void read_load(TableReader reader, const std::string& file, Scene& scene) {
+    scene.load_line = reader.line();
     const std::string axis = reader.text("axis").value_or("z");
     if (axis != "x" && axis != "y" && axis != "z")
         reader.fail(*reader.find("axis"), "axis must be \"x\", \"y\" or \"z\"");

@@ -55,6 +55,7 @@ struct LoadStep {
 /// Smooth start of a flow: the rate rises over `strain`, and the particles are taken along (docs/method.md).
 struct Initiation {
     double strain = 0.0;
+    bool affine = true;  ///< the particles are accelerated with the flow, not by the planes alone
     double noise = 0.0;  ///< random velocity over the affine velocity of two touching particles [-]
 };
 
@@ -91,6 +92,7 @@ struct Scene {
     std::optional<double> nominal_rate;  ///< 1/s, with `duration`: what constants, time step and curve points go by
     std::optional<Initiation> initiation;
     Lateral lateral = Lateral::free;
+    std::int64_t load_line = 0;
     std::vector<Wall> walls;
 
     std::optional<double> time_step;  ///< s; chosen from strain_per_step when not given

@@ -43,11 +43,21 @@ double FixPlanes::press(const std::vector<int>& candidates, double plane, double
     return total;
 }
 
+/// The force that accelerates every particle as the flow about the centre: uniaxial, volume kept.
+void FixPlanes::take_along(double time) {
+    const double half = 0.5 * update->dt;
+    const double growth = (motion_.segment.rate_at(time + half) - motion_.segment.rate_at(time - half)) / update->dt;
+    const double slope[3] = {-0.5 * growth, -0.5 * growth, growth};
+    for (int i = 0; i < atom->nlocal; ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            atom->f[i][axis] += atom->rmass[i] * slope[axis] * (atom->x[i][axis] - motion_.centre[axis]);
+}
+
 void FixPlanes::post_force(int) {
     const LoadSegment& segment = motion_.segment;
     const double time = update->dt * static_cast<double>(update->ntimestep - motion_.first_step);
     const double half_gap = 0.5 * motion_.initial_height * std::exp(segment.strain_at(time)) + motion_.seed_radius;
-    const double low = motion_.centre - half_gap, high = motion_.centre + half_gap;
+    const double low = motion_.centre[2] - half_gap, high = motion_.centre[2] + half_gap;
     // The particles hold their half-step velocities when forces are computed: so do the planes.
     const double half_step = time - 0.5 * update->dt;
     const double velocity =
@@ -59,6 +69,7 @@ void FixPlanes::post_force(int) {
 
     const double on_bottom = press(near_low_, low, -velocity, 1);
     const double on_top = press(near_high_, high, velocity, -1);
+    if (segment.affine) take_along(time);
     if (update->setupflag) return;
     forces_.bottom -= on_bottom;
     forces_.top -= on_top;

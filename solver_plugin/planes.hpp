@@ -14,8 +14,8 @@ namespace tomodem::plugin {
 class FixPlanes : public LAMMPS_NS::Fix {
  public:
     struct Motion {
-        double centre = 0.0;          ///< z of the middle
-        double initial_height = 0.0;  ///< H0
+        double centre[3] = {0, 0, 0};  ///< of the flow; the planes stand at equal distances from its z
+        double initial_height = 0.0;   ///< H0
         double seed_radius = 0.0;
         LoadSegment segment;  ///< begins at first_step
         LAMMPS_NS::bigint first_step = 0;
@@ -40,6 +40,7 @@ class FixPlanes : public LAMMPS_NS::Fix {
     void post_force(int) override;
 
  private:
+    void take_along(double time);
     void choose_candidates(double low, double high);
     double press(const std::vector<int>& candidates, double plane, double velocity, double inward);
 

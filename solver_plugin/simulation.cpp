@@ -12,6 +12,7 @@
 #include "core/law/bilin_flow.hpp"
 #include "solver_plugin/crown_pair.hpp"
 #include "solver_plugin/fix_contact.hpp"
+#include "solver_plugin/lateral_box.hpp"
 #include "solver_plugin/planes.hpp"
 #include "solver_plugin/session.hpp"
 #include "solver_plugin/surfaces.hpp"
@@ -51,6 +52,7 @@ struct Simulation::State {
     std::int64_t count = 0;
     Session session;
     FixPlanes* planes = nullptr;
+    FixLateralBox* sides = nullptr;  ///< when they are periodic
     std::vector<FixSurface*> surfaces;
     LoadSegment segment;             ///< the present one
     std::int64_t segment_start = 0;  ///< its first step
@@ -150,6 +152,17 @@ struct Simulation::State {
         if (std::isfinite(model.healing_time)) contact->heal_after(std::llround(model.healing_time / model.time_step));
     }
 
+    /// Adds a random velocity of that standard deviation to every component; it depends on the particle alone.
+    void shake(double deviation) {
+        const LAMMPS_NS::Atom& atoms = atom();
+        for (int i = 0; i < atoms.nlocal; ++i) {
+            std::seed_seq seed{atoms.tag[i], 0x5eed};
+            std::mt19937_64 random(seed);
+            std::normal_distribution<double> normal(0, deviation);
+            for (int c = 0; c < 3; ++c) atoms.v[i][c] += normal(random);
+        }
+    }
+
     /// With the first plane or wall: what counts from the start of the loading begins.
     void begin_loading() {
         // Pairs that form before, while the free sample comes to rest, are internal.
@@ -162,6 +175,11 @@ struct Simulation::State {
         const LAMMPS_NS::Domain& domain = *session.lmp().domain;
         for (std::size_t k = 0; k < sample.size(); ++k) {
             Vec3 point = to_solver(sample.position[k]);
+            if (model.lateral_periodic)
+                for (int c = 0; c < 2; ++c) {
+                    point[c] -= std::floor((point[c] - domain.boxlo[c]) / domain.prd[c]) * domain.prd[c];
+                    if (point[c] >= domain.boxhi[c]) point[c] = domain.boxlo[c];
+                }
             bool mine = true;
             for (int c = 0; c < 3; ++c) mine = mine && point[c] >= domain.sublo[c] && point[c] < domain.subhi[c];
             if (!mine) continue;
@@ -232,8 +250,8 @@ struct Simulation::State {
     }
 };
 
-Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
-    : state_(std::make_unique<State>(sample, model, axis, communicator)) {
+Simulation::Simulation(const Packing& sample, const Model& model, int load_axis, MPI_Comm communicator)
+    : state_(std::make_unique<State>(sample, model, load_axis, communicator)) {
     State& s = *state_;
     if (sample.size() == 0) throw InvalidInput("the sample has no particle");
     Vec3 low = sample.position.front(), high = low;
@@ -242,19 +260,24 @@ Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_
         high = high.cwiseMax(point);
     }
     s.centre = (low + high) / 2;
-    const Vec3 extent = s.scale * (high - low);
+    Vec3 extent = s.scale * (high - low) + Vec3::Constant(2 * model.crown_radius);
+    if (model.lateral_periodic)
+        for (int axis : {(load_axis + 1) % 3, (load_axis + 2) % 3}) {
+            s.centre[axis] = sample.box.origin[axis] + sample.box.edges[axis] / 2;
+            extent[axis] = s.scale * sample.box.edges[axis];
+        }
 
     const auto command = [&](const std::string& line) { s.session.command(line); };
     command("atom_style granular");
     command("atom_modify map array");
     // Shrink-wrapped: nothing can leave the box, and it stays balanced over the processes while the sample spreads.
-    command("boundary m m m");
+    command(model.lateral_periodic ? "boundary p p m" : "boundary m m m");
     command("newton off");
     command("communicate single vel yes");
     command("units si");  // no conversion: any consistent set
     std::string corners;
     for (int c = 0; c < 3; ++c) {
-        const double half = 0.5 * extent[s.turned(c)] + model.crown_radius;
+        const double half = 0.5 * extent[s.turned(c)];
         corners += fmt::format(" {:.17g} {:.17g}", -half, half);
     }
     command("region everywhere block" + corners + " units box");
@@ -342,7 +365,18 @@ void Simulation::place_planes() {
     }
     s.begin_loading();
     FixPlanes::Motion motion;
-    motion.centre = (low + high) / 2;
+    if (s.model.lateral_periodic) {
+        s.session.command("fix sides all tomodem/lateral");
+        s.sides = static_cast<FixLateralBox*>(s.session.lmp().modify->find_fix_id("sides"));
+        s.sides->begin();
+    } else {
+        for (int c = 0; c < 2; ++c) {
+            double sum = 0;
+            for (int i = 0; i < atoms.nlocal; ++i) sum += atoms.x[i][c];
+            motion.centre[c] = s.total(sum) / static_cast<double>(s.count);
+        }
+    }
+    motion.centre[2] = (low + high) / 2;
     motion.initial_height = high - low;
     motion.seed_radius = s.model.seed_radius;
     motion.first_step = step();
@@ -380,6 +414,8 @@ void Simulation::set_loading(const LoadSegment& segment) {
     motion.segment = segment;
     motion.first_step = s.segment_start;
     s.planes->move(motion);
+    if (s.sides != nullptr) s.sides->follow(segment, s.segment_start);
+    if (segment.noise > 0) s.shake(segment.noise * 2 * s.model.seed_radius);
 }
 
 void Simulation::run(std::int64_t steps) {
@@ -456,7 +492,13 @@ std::int64_t Simulation::neighbour_builds() const {
 
 std::vector<Vec3> Simulation::positions() const {
     State& s = *state_;
-    std::vector<Vec3> points = s.gather(s.atom().x);
+    std::vector<Vec3> unwrapped(s.atom().nlocal);
+    std::vector<double*> rows;
+    for (std::size_t i = 0; i < unwrapped.size(); ++i) {
+        s.session.lmp().domain->unmap(s.atom().x[i], s.atom().image[i], unwrapped[i].data());
+        rows.push_back(unwrapped[i].data());
+    }
+    std::vector<Vec3> points = s.gather(rows.data());
     for (Vec3& point : points) point = s.centre + s.turned_back(point) / s.scale;
     return points;
 }

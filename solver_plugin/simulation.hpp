@@ -49,7 +49,7 @@ class Simulation {
     /// @param mesh  in the sample's own lengths and coordinates
     /// @return particles nearer to it than half a seed radius: it stands inside the sample if there are any
     std::int64_t place_wall(const TriangleMesh& mesh, const Wall& wall);
-    /// Begins a segment of the loading with the next step.
+    /// Begins a segment of the loading with the next step; gives the particles its random velocities.
     void set_loading(const LoadSegment& segment);
 
     void run(std::int64_t steps);
@@ -65,7 +65,8 @@ class Simulation {
     std::int64_t particles() const;
     std::int64_t neighbour_builds() const;
 
-    /// Positions in the order of the sample's particles, on the first process; empty elsewhere.
+    /// Positions in the order of the sample's particles, on the first process; empty elsewhere. Periodic sides do not
+    /// cut them: a particle that leaves goes on outside.
     std::vector<Vec3> positions() const;
 
     /// Sets velocities [mm/s] (in the order of the sample) and returns the forces [uN] at this moment, on the first

@@ -204,7 +204,8 @@ Relaxation relax(const Packing& sample, const Scene& scene, double periods, MPI_
     result.residual_energy = reduced_energy(simulation.energies().kinetic, model, sample);
     result.sample = sample;
     result.sample.position = simulation.positions();
-    result.sample.box.periodic = {false, false, false};
+    for (int axis = 0; axis < 3; ++axis)
+        result.sample.box.periodic[axis] = model.lateral_periodic && axis != scene.axis;
     result.sample.relaxed = true;
     for (std::size_t k = 0; k < result.sample.position.size(); ++k)
         result.largest_displacement = std::max(

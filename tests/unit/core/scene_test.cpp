@@ -232,6 +232,7 @@ TEST(Scene, ReadsTheInitiationAndTheLateralSides) {
         "s.toml");
     EXPECT_DOUBLE_EQ(scene.initiation->strain, 0.02);
     EXPECT_DOUBLE_EQ(scene.initiation->noise, 0.1);
+    EXPECT_TRUE(scene.initiation->affine);
     EXPECT_EQ(scene.lateral, Lateral::periodic);
     const Scene plain = parse_scene(whole, "s.toml");
     EXPECT_FALSE(plain.initiation.has_value());
@@ -243,6 +244,7 @@ TEST(Scene, RefusesAnInitiationOrSidesThatCannotBe) {
     expect_refused(load("initiation = { noise = 0.1 }"), "20", "has no 'strain'");
     expect_refused(load("initiation = { strain = 0 }"), "20", "expected more than 0");
     expect_refused(load("initiation = { strain = 0.01, noise = -1 }"), "20", "expected 0 to 10");
+    expect_refused(load("initiation = { strain = 0.01, affine = 1 }"), "20", "must be true or false");
     expect_refused(load("initiation = { strain = 0.06 }"), "20", "longer than half the step from 0 to -0.1");
     expect_refused(load("initiation = 0.02"), "20", "must be a table");
     expect_refused(load("lateral = \"fixed\""), "20", "must be \"free\" or \"periodic\"");
