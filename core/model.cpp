@@ -77,7 +77,7 @@ PhaseModel compile_phase(const Scene& scene, const Phase& phase, double time_ste
 
 void check_lateral_sides(const Scene& scene, const Packing& sample) {
     const auto refuse = [&](const std::string& what) {
-        throw InvalidInput(fmt::format("scene '{}' line {}: lateral = \"periodic\" in [load]: {}", scene.path.string(),
+        throw InvalidInput(fmt::format("scene '{}' line {}: periodic sides in [load]: {}", scene.path.string(),
                                        scene.load_line, what));
     };
     // A particle must not meet another and its image at once.
@@ -131,8 +131,8 @@ Model compile_model(const Scene& scene, const Packing& sample) {
             fmt::format("scene '{}': between_objects = true in [contact] but the sample does not tell "
                         "objects apart; make it with vol2pack --objects LABEL",
                         scene.path.string()));
-    model.lateral_periodic = scene.lateral == Lateral::periodic;
-    if (model.lateral_periodic) check_lateral_sides(scene, sample);
+    model.lateral = scene.lateral;
+    if (model.lateral != Lateral::free) check_lateral_sides(scene, sample);
     model.time_step = scene.time_step.value_or(time_step);
     for (std::int32_t label : present)
         model.phases.push_back(compile_phase(scene, scene.phase(label), model.time_step));

@@ -30,7 +30,7 @@ struct Model {
     double radius_dispersion = 0;    ///< standard deviation over the mean
     bool between_objects = false;    ///< attraction only within an object
     bool self_contact = false;
-    bool lateral_periodic = false;  ///< the sides across the load are periodic with the edges of the sample's box
+    Lateral lateral = Lateral::free;  ///< periodic sides have the edges of the sample's box
     double healing_time = std::numeric_limits<double>::infinity();  ///< s
 };
 

@@ -293,11 +293,15 @@ void read_load(TableReader reader, const std::string& file, Scene& scene) {
         }
     }
     if (const auto lateral = reader.text("lateral")) {
-        if (lateral != "free" && lateral != "periodic")
-            reader.fail(*reader.find("lateral"), "lateral must be \"free\" or \"periodic\"");
-        if (lateral == "periodic") scene.lateral = Lateral::periodic;
-        if (scene.lateral == Lateral::periodic && scene.duration)
-            reader.fail(*reader.find("lateral"), "lateral = \"periodic\" needs steps: the sides follow the planes");
+        if (lateral == "periodic")
+            scene.lateral = Lateral::periodic;
+        else if (lateral == "isochoric")
+            scene.lateral = Lateral::isochoric;
+        else if (lateral != "free")
+            reader.fail(*reader.find("lateral"), "lateral must be \"free\", \"periodic\" or \"isochoric\"");
+        if (scene.lateral != Lateral::free && scene.duration)
+            reader.fail(*reader.find("lateral"),
+                        fmt::format("lateral = \"{}\" needs steps: the sides follow the planes", *lateral));
     }
     reader.refuse_unknown();
 }

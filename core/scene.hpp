@@ -59,8 +59,9 @@ struct Initiation {
     double noise = 0.0;  ///< random velocity over the affine velocity of two touching particles [-]
 };
 
-/// What the sides across the loading axis are.
-enum class Lateral { free, periodic };
+/// What the sides across the loading axis are: free surfaces, or periodic with no mean stress across them, or periodic
+/// at constant volume.
+enum class Lateral { free, periodic, isochoric };
 
 /// A rigid triangulated surface with a prescribed translation; a sensor of the force on it.
 struct Wall {

@@ -35,23 +35,27 @@ void FixLateralBox::init() {
 }
 
 void FixLateralBox::set_rates(double time) {
+    const double rate = segment_.rate_at(time), strain = segment_.strain_at(time);
     for (int axis = 0; axis < 2; ++axis) {
-        domain->h_rate[axis] = -0.5 * segment_.rate_at(time) * edge_[axis] * std::exp(-0.5 * segment_.strain_at(time));
+        const double edge = edge_[axis] * std::exp(correction_ - 0.5 * strain);
+        domain->h_rate[axis] = (growth_ * std::abs(rate) - 0.5 * rate) * edge;
         domain->h_ratelo[axis] = -0.5 * domain->h_rate[axis];
     }
 }
 
 void FixLateralBox::post_integrate() {
     const double time = update->dt * static_cast<double>(update->ntimestep - first_step_);
+    const double half_step = time - 0.5 * update->dt;
+    correction_ += growth_ * std::abs(segment_.rate_at(half_step)) * update->dt;
     for (int axis = 0; axis < 2; ++axis) {
-        const double half = 0.5 * edge_[axis] * std::exp(-0.5 * segment_.strain_at(time));
+        const double half = 0.5 * edge_[axis] * std::exp(correction_ - 0.5 * segment_.strain_at(time));
         domain->boxlo[axis] = middle_[axis] - half;
         domain->boxhi[axis] = middle_[axis] + half;
     }
     domain->set_global_box();
     domain->set_local_box();
     // Velocities are those of the half step when forces are computed.
-    set_rates(time - 0.5 * update->dt);
+    set_rates(half_step);
 }
 
 }  // namespace tomodem::plugin

@@ -18,6 +18,9 @@ class FixLateralBox : public LAMMPS_NS::Fix {
     void begin();
     void follow(const LoadSegment& segment, LAMMPS_NS::bigint first_step);
 
+    /// From the next step on c grows by that much per unit of strain.
+    void steer(double growth) { growth_ = growth; }
+
     int setmask() override;
     void init() override;
     void post_integrate() override;
@@ -27,6 +30,7 @@ class FixLateralBox : public LAMMPS_NS::Fix {
 
     LoadSegment segment_;
     LAMMPS_NS::bigint first_step_ = 0;
+    double growth_ = 0, correction_ = 0;
     double middle_[2] = {0, 0}, edge_[2] = {0, 0};
 };
 

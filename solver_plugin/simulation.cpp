@@ -40,6 +40,10 @@ double radius_factor(std::int64_t id, double dispersion) {
 /// its surface tension closes pores: a foam's struts then move by 20 seed radii instead of 2.
 constexpr double relaxation_damping = 0.3;
 
+/// Growth of the periodic sides per unit of strain over the lateral pressure in units of k_rep / 2 r_s: the mean stress
+/// across the load dies out over about 0.005 of strain.
+constexpr double side_gain = 500;
+
 }  // namespace
 
 struct Simulation::State {
@@ -61,6 +65,7 @@ struct Simulation::State {
     std::vector<std::int32_t> object;  ///< by id - 1, where the law looks at it
     std::vector<double> hardening;     ///< factor of each phase at present
     bool relaxing = false;
+    bool loading = false;
     std::int64_t loading_start = 0;  ///< step
     bool ready = false;              ///< LIGGGHTS is set up for the present masses, planes and walls
 
@@ -152,6 +157,19 @@ struct Simulation::State {
         if (std::isfinite(model.healing_time)) contact->heal_after(std::llround(model.healing_time / model.time_step));
     }
 
+    /// Widens the periodic sides while the sample presses on them, and narrows them while it pulls.
+    void steer_sides() {
+        const LAMMPS_NS::Domain& domain = *session.lmp().domain;
+        const FixPlanes::Motion& motion = planes->motion();
+        const double time = model.time_step * static_cast<double>(session.lmp().update->ntimestep - segment_start);
+        const double height = motion.initial_height * std::exp(segment.strain_at(time));
+        const double pressure = total(pair->lateral_virial()) / (domain.xprd * domain.yprd * height);
+        double stiffest = 0;
+        for (const PhaseModel& phase : model.phases) stiffest = std::max(stiffest, phase.pair.repulsive_stiffness);
+        const double reduced = pressure / (stiffest / (2 * model.seed_radius));
+        sides->steer(std::clamp(side_gain * reduced, -1.0, 1.0));
+    }
+
     /// Adds a random velocity of that standard deviation to every component; it depends on the particle alone.
     void shake(double deviation) {
         const LAMMPS_NS::Atom& atoms = atom();
@@ -175,7 +193,7 @@ struct Simulation::State {
         const LAMMPS_NS::Domain& domain = *session.lmp().domain;
         for (std::size_t k = 0; k < sample.size(); ++k) {
             Vec3 point = to_solver(sample.position[k]);
-            if (model.lateral_periodic)
+            if (model.lateral != Lateral::free)
                 for (int c = 0; c < 2; ++c) {
                     point[c] -= std::floor((point[c] - domain.boxlo[c]) / domain.prd[c]) * domain.prd[c];
                     if (point[c] >= domain.boxhi[c]) point[c] = domain.boxlo[c];
@@ -261,7 +279,7 @@ Simulation::Simulation(const Packing& sample, const Model& model, int load_axis,
     }
     s.centre = (low + high) / 2;
     Vec3 extent = s.scale * (high - low) + Vec3::Constant(2 * model.crown_radius);
-    if (model.lateral_periodic)
+    if (model.lateral != Lateral::free)
         for (int axis : {(load_axis + 1) % 3, (load_axis + 2) % 3}) {
             s.centre[axis] = sample.box.origin[axis] + sample.box.edges[axis] / 2;
             extent[axis] = s.scale * sample.box.edges[axis];
@@ -271,7 +289,7 @@ Simulation::Simulation(const Packing& sample, const Model& model, int load_axis,
     command("atom_style granular");
     command("atom_modify map array");
     // Shrink-wrapped: nothing can leave the box, and it stays balanced over the processes while the sample spreads.
-    command(model.lateral_periodic ? "boundary p p m" : "boundary m m m");
+    command(model.lateral != Lateral::free ? "boundary p p m" : "boundary m m m");
     command("newton off");
     command("communicate single vel yes");
     command("units si");  // no conversion: any consistent set
@@ -365,7 +383,7 @@ void Simulation::place_planes() {
     }
     s.begin_loading();
     FixPlanes::Motion motion;
-    if (s.model.lateral_periodic) {
+    if (s.model.lateral != Lateral::free) {
         s.session.command("fix sides all tomodem/lateral");
         s.sides = static_cast<FixLateralBox*>(s.session.lmp().modify->find_fix_id("sides"));
         s.sides->begin();
@@ -396,7 +414,6 @@ std::int64_t Simulation::place_wall(const TriangleMesh& mesh, const Wall& wall) 
     for (int c = 0; c < 3; ++c) motion.velocity[c] = s.scale * wall.velocity[s.turned(c)];
     motion.start = wall.start;
     motion.stop = wall.stop;
-    motion.first_step = step();
     fix->place(placed, motion);
     s.surfaces.push_back(fix);
     s.begin_loading();
@@ -409,6 +426,14 @@ void Simulation::set_loading(const LoadSegment& segment) {
     State& s = *state_;
     s.segment = segment;
     s.segment_start = step();
+    if (!s.loading) {
+        // Walls stand still, and forces do not count, while the sample comes to rest between them.
+        s.loading = true;
+        s.loading_start = step();
+        for (FixSurface* surface : s.surfaces) surface->start(step());
+        take_forces();
+        take_wall_forces();
+    }
     if (s.planes == nullptr) return;
     FixPlanes::Motion motion = s.planes->motion();
     motion.segment = segment;
@@ -422,6 +447,8 @@ void Simulation::run(std::int64_t steps) {
     State& s = *state_;
     if (!s.ready) s.session.command("run 0 post no");
     s.ready = true;
+    // While the sample comes to rest between planes that stand still, the sides do too.
+    if (s.loading && s.sides != nullptr && s.model.lateral == Lateral::periodic) s.steer_sides();
     if (!s.relaxing) s.harden(static_cast<double>(step() + steps / 2 - s.loading_start) * s.model.time_step);
     s.session.command(fmt::format("run {} pre no post no", steps));
 }
@@ -476,6 +503,12 @@ double Simulation::largest_speed() const {
         squared = std::max(
             squared, atoms.v[i][0] * atoms.v[i][0] + atoms.v[i][1] * atoms.v[i][1] + atoms.v[i][2] * atoms.v[i][2]);
     return std::sqrt(state_->largest(squared)) / state_->scale;
+}
+
+std::optional<double> Simulation::periodic_section() const {
+    if (state_->model.lateral == Lateral::free) return {};
+    const LAMMPS_NS::Domain& domain = *state_->session.lmp().domain;
+    return domain.xprd * domain.yprd / (state_->scale * state_->scale);
 }
 
 double Simulation::initial_height() const {

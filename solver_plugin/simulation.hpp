@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/load_path.hpp"
@@ -61,6 +62,8 @@ class Simulation {
     std::vector<Vec3> take_wall_forces();
     Energies energies() const;
     double largest_speed() const;
+    /// Present area between periodic sides [mm^2], in the sample's own lengths; nothing when the sides are free.
+    std::optional<double> periodic_section() const;
     double initial_height() const;  ///< H0 [mm] of the sample's own lengths
     std::int64_t particles() const;
     std::int64_t neighbour_builds() const;

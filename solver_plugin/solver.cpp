@@ -157,7 +157,7 @@ struct Point {
     double strain, stress_true, stress_engineering, force_top, force_bottom, equilibrium_error, section;
 };
 
-Point measure(double strain, const PlaneForces& forces, double initial_section) {
+Point measure(double strain, const PlaneForces& forces, double section, double initial_section) {
     Point point{};
     point.strain = strain;
     point.force_top = forces.top;
@@ -165,7 +165,7 @@ Point measure(double strain, const PlaneForces& forces, double initial_section) 
     point.force_bottom = -forces.bottom;
     const double force = (forces.top + forces.bottom) / 2;
     const double magnitude = (std::abs(forces.top) + std::abs(forces.bottom)) / 2;
-    point.section = initial_section * std::exp(-strain);
+    point.section = section;
     point.stress_true = force / point.section;
     point.stress_engineering = force / initial_section;
     point.equilibrium_error = magnitude > 0 ? std::abs(point.force_top + point.force_bottom) / magnitude : 0;
@@ -205,7 +205,7 @@ Relaxation relax(const Packing& sample, const Scene& scene, double periods, MPI_
     result.sample = sample;
     result.sample.position = simulation.positions();
     for (int axis = 0; axis < 3; ++axis)
-        result.sample.box.periodic[axis] = model.lateral_periodic && axis != scene.axis;
+        result.sample.box.periodic[axis] = model.lateral != Lateral::free && axis != scene.axis;
     result.sample.relaxed = true;
     for (std::size_t k = 0; k < result.sample.position.size(); ++k)
         result.largest_displacement = std::max(
@@ -255,8 +255,8 @@ RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem
     write_frame();
     simulation.run(0);
     if (const plugin::Energies at_rest = simulation.energies(); first)
-        record(*writer, scene, measure(0, {}, initial_section), std::vector<Vec3>(scene.walls.size(), Vec3::Zero()),
-               at_rest, 0, 0);
+        record(*writer, scene, measure(0, {}, initial_section, initial_section),
+               std::vector<Vec3>(scene.walls.size(), Vec3::Zero()), at_rest, 0, 0);
 
     const double path = scene.path_length();
     const double point_spacing = scene.averaging_strain / points_per_window;
@@ -278,7 +278,9 @@ RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem
             window.add({simulation.take_forces(), simulation.take_wall_forces(), next - done});
             done = next;
             const Forces forces = window.mean();
-            const Point measured = measure(simulation.strain(), forces.planes, initial_section);
+            const double section =
+                simulation.periodic_section().value_or(initial_section * std::exp(-simulation.strain()));
+            const Point measured = measure(simulation.strain(), forces.planes, section, initial_section);
             const std::int64_t step = simulation.step() - start;
             if (first)
                 record(*writer, scene, measured, forces.walls, energies, step,

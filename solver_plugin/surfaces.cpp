@@ -18,7 +18,7 @@ int FixSurface::setmask() {
 }
 
 Vec3 FixSurface::displacement(bigint step) const {
-    const double time = update->dt * static_cast<double>(step - motion_.first_step);
+    const double time = update->dt * static_cast<double>(step - first_step_);
     return std::max(0.0, std::min(time, motion_.stop) - motion_.start) * motion_.velocity;
 }
 

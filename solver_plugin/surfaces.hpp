@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -14,8 +15,7 @@ class FixSurface : public LAMMPS_NS::Fix {
  public:
     struct Motion {
         Vec3 velocity = Vec3::Zero();
-        double start = 0.0, stop = 0.0;  ///< s after first_step
-        LAMMPS_NS::bigint first_step = 0;
+        double start = 0.0, stop = 0.0;  ///< s after the first step
     };
     /// Sum of the forces on the sample over the steps since the last reset.
     struct Forces {
@@ -27,8 +27,10 @@ class FixSurface : public LAMMPS_NS::Fix {
 
     /// @param laws  by type, from 1, of a particle of the type's nominal radius
     void use(std::vector<law::Wall> laws) { laws_ = std::move(laws); }
-    /// @param mesh  where it is at the motion's first step
+    /// @param mesh  where it is until it starts
     void place(const TriangleMesh& mesh, const Motion& motion);
+    /// The motion's time counts from this step.
+    void start(LAMMPS_NS::bigint step) { first_step_ = step; }
     /// This process' share; the sum over processes is the force.
     Forces take_forces();
     /// Particles of this process nearer than `distance` at the present step.
@@ -49,6 +51,7 @@ class FixSurface : public LAMMPS_NS::Fix {
     };
     std::unique_ptr<TriangleTree> tree_;
     Motion motion_;
+    LAMMPS_NS::bigint first_step_ = std::numeric_limits<LAMMPS_NS::bigint>::max() / 2;
     Forces forces_;
     std::vector<law::Wall> laws_;
     std::vector<Candidate> candidates_;

@@ -106,3 +106,32 @@ END
     make_plate surfaces/tool.stl 4
     refuses 1 "particles are nearer than half a seed radius" solve relaxed.h5 scene.toml run.h5
 }
+
+@test "periodic sides: no stress across the load, a section that is the box's, the same on two processes" {
+    make_sample sample.h5 1000
+    load_with 'lateral = "periodic"\nsteps = [ { strain = -0.15, rate = 1e-2 } ]'
+    relax sample.h5 scene.toml relaxed.h5 --quiet
+    solve relaxed.h5 scene.toml one.h5 --quiet
+    mpirun --oversubscribe -np 2 "$TOMODEM_BIN/solve" relaxed.h5 scene.toml two.h5 --quiet
+    sed 's/"periodic"/"isochoric"/' scene.toml > isochoric.toml
+    solve relaxed.h5 isochoric.toml isochoric.h5 --quiet
+    /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+curve = lambda name, what: h5py.File(f"{name}.h5")[f"observables/{what}/value"][:]
+for what in ("stress_true", "section"):
+    assert np.allclose(curve("one", what)[:20], curve("two", what)[:20], rtol=1e-6, atol=1)
+strain, section = curve("isochoric", "strain"), curve("isochoric", "section")
+assert np.allclose(section * np.exp(strain), section[0], rtol=1e-9)
+# The sample fills the hollows of its rough ends: its sides come in, and it carries more than one that they hold open.
+assert 0.85 < curve("one", "section")[-1] * np.exp(-0.15) / section[0] < 0.99
+assert curve("one", "stress_true")[-20:].mean() < 1.5 * curve("isochoric", "stress_true")[-20:].mean() < 0
+END
+}
+
+@test "periodic sides of a sample that has none" {
+    make_sample sample.h5
+    make_scene plain.toml -0.1
+    relax sample.h5 plain.toml relaxed.h5 --quiet
+    load_with 'lateral = "periodic"\nsteps = [ { strain = -0.15, rate = 1e-2 } ]'
+    refuses 1 "line 7: periodic sides in [load]: the sample's box is not periodic along x" solve relaxed.h5 scene.toml run.h5
+}

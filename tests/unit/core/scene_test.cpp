@@ -247,7 +247,7 @@ TEST(Scene, RefusesAnInitiationOrSidesThatCannotBe) {
     expect_refused(load("initiation = { strain = 0.01, affine = 1 }"), "20", "must be true or false");
     expect_refused(load("initiation = { strain = 0.06 }"), "20", "longer than half the step from 0 to -0.1");
     expect_refused(load("initiation = 0.02"), "20", "must be a table");
-    expect_refused(load("lateral = \"fixed\""), "20", "must be \"free\" or \"periodic\"");
+    expect_refused(load("lateral = \"fixed\""), "20", "must be \"free\", \"periodic\" or \"isochoric\"");
     const std::string alone = "duration = 300\nrate = 1e-3\n";
     expect_refused(loaded(alone + "lateral = \"periodic\"") + tool, "23", "needs steps");
     expect_refused(loaded(alone + "initiation = { strain = 0.01 }") + tool, "23", "needs steps");
