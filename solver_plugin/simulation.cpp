@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "core/error.hpp"
 #include "core/law/bilin_flow.hpp"
 #include "solver_plugin/crown_pair.hpp"
 #include "solver_plugin/fix_contact.hpp"
+#include "solver_plugin/lateral_box.hpp"
 #include "solver_plugin/planes.hpp"
 #include "solver_plugin/session.hpp"
+#include "solver_plugin/surfaces.hpp"
 
 namespace tomodem::plugin {
 namespace {
@@ -37,6 +40,10 @@ double radius_factor(std::int64_t id, double dispersion) {
 /// its surface tension closes pores: a foam's struts then move by 20 seed radii instead of 2.
 constexpr double relaxation_damping = 0.3;
 
+/// Growth of the periodic sides per unit of strain over the lateral pressure in units of k_rep / 2 r_s: the mean stress
+/// across the load dies out over about 0.005 of strain.
+constexpr double side_gain = 500;
+
 }  // namespace
 
 struct Simulation::State {
@@ -49,13 +56,18 @@ struct Simulation::State {
     std::int64_t count = 0;
     Session session;
     FixPlanes* planes = nullptr;
+    FixLateralBox* sides = nullptr;  ///< when they are periodic
+    std::vector<FixSurface*> surfaces;
+    LoadSegment segment;             ///< the present one
+    std::int64_t segment_start = 0;  ///< its first step
     CrownPair* pair = nullptr;
     FixContact* contact = nullptr;
     std::vector<std::int32_t> object;  ///< by id - 1, where the law looks at it
     std::vector<double> hardening;     ///< factor of each phase at present
     bool relaxing = false;
+    bool loading = false;
     std::int64_t loading_start = 0;  ///< step
-    bool ready = false;              ///< LIGGGHTS is set up for the present masses and planes
+    bool ready = false;              ///< LIGGGHTS is set up for the present masses, planes and walls
 
     State(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
         : communicator(communicator), model(model), axis(axis), session(communicator) {
@@ -114,10 +126,10 @@ struct Simulation::State {
         for (const law::Pair& a : own)
             for (const law::Pair& b : own) laws.of_types.push_back(law::mixed(a, b));
         pair->use(laws);
-        if (planes == nullptr) return;
         std::vector<law::Wall> walls(1);  // types count from 1
         for (const law::Pair& law : own) walls.push_back(law::against_wall(law));
-        planes->use(std::move(walls));
+        if (planes != nullptr) planes->use(walls);
+        for (FixSurface* surface : surfaces) surface->use(walls);
     }
 
     /// A phase that hardens keeps its natural period: stiffness and mass grow together, so that no trajectory changes.
@@ -145,11 +157,47 @@ struct Simulation::State {
         if (std::isfinite(model.healing_time)) contact->heal_after(std::llround(model.healing_time / model.time_step));
     }
 
+    /// Widens the periodic sides while the sample presses on them, and narrows them while it pulls.
+    void steer_sides() {
+        const LAMMPS_NS::Domain& domain = *session.lmp().domain;
+        const FixPlanes::Motion& motion = planes->motion();
+        const double time = model.time_step * static_cast<double>(session.lmp().update->ntimestep - segment_start);
+        const double height = motion.initial_height * std::exp(segment.strain_at(time));
+        const double pressure = total(pair->lateral_virial()) / (domain.xprd * domain.yprd * height);
+        double stiffest = 0;
+        for (const PhaseModel& phase : model.phases) stiffest = std::max(stiffest, phase.pair.repulsive_stiffness);
+        const double reduced = pressure / (stiffest / (2 * model.seed_radius));
+        sides->steer(std::clamp(side_gain * reduced, -1.0, 1.0));
+    }
+
+    /// Adds a random velocity of that standard deviation to every component; it depends on the particle alone.
+    void shake(double deviation) {
+        const LAMMPS_NS::Atom& atoms = atom();
+        for (int i = 0; i < atoms.nlocal; ++i) {
+            std::seed_seq seed{atoms.tag[i], 0x5eed};
+            std::mt19937_64 random(seed);
+            std::normal_distribution<double> normal(0, deviation);
+            for (int c = 0; c < 3; ++c) atoms.v[i][c] += normal(random);
+        }
+    }
+
+    /// With the first plane or wall: what counts from the start of the loading begins.
+    void begin_loading() {
+        // Pairs that form before, while the free sample comes to rest, are internal.
+        if (model.self_contact && contact == nullptr) remember_contacts();
+        loading_start = session.lmp().update->ntimestep;
+    }
+
     void create_particles(const Packing& sample) {
         LAMMPS_NS::Atom& atoms = atom();
         const LAMMPS_NS::Domain& domain = *session.lmp().domain;
         for (std::size_t k = 0; k < sample.size(); ++k) {
             Vec3 point = to_solver(sample.position[k]);
+            if (model.lateral != Lateral::free)
+                for (int c = 0; c < 2; ++c) {
+                    point[c] -= std::floor((point[c] - domain.boxlo[c]) / domain.prd[c]) * domain.prd[c];
+                    if (point[c] >= domain.boxhi[c]) point[c] = domain.boxlo[c];
+                }
             bool mine = true;
             for (int c = 0; c < 3; ++c) mine = mine && point[c] >= domain.sublo[c] && point[c] < domain.subhi[c];
             if (!mine) continue;
@@ -220,8 +268,8 @@ struct Simulation::State {
     }
 };
 
-Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
-    : state_(std::make_unique<State>(sample, model, axis, communicator)) {
+Simulation::Simulation(const Packing& sample, const Model& model, int load_axis, MPI_Comm communicator)
+    : state_(std::make_unique<State>(sample, model, load_axis, communicator)) {
     State& s = *state_;
     if (sample.size() == 0) throw InvalidInput("the sample has no particle");
     Vec3 low = sample.position.front(), high = low;
@@ -230,19 +278,24 @@ Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_
         high = high.cwiseMax(point);
     }
     s.centre = (low + high) / 2;
-    const Vec3 extent = s.scale * (high - low);
+    Vec3 extent = s.scale * (high - low) + Vec3::Constant(2 * model.crown_radius);
+    if (model.lateral != Lateral::free)
+        for (int axis : {(load_axis + 1) % 3, (load_axis + 2) % 3}) {
+            s.centre[axis] = sample.box.origin[axis] + sample.box.edges[axis] / 2;
+            extent[axis] = s.scale * sample.box.edges[axis];
+        }
 
     const auto command = [&](const std::string& line) { s.session.command(line); };
     command("atom_style granular");
     command("atom_modify map array");
     // Shrink-wrapped: nothing can leave the box, and it stays balanced over the processes while the sample spreads.
-    command("boundary m m m");
+    command(model.lateral != Lateral::free ? "boundary p p m" : "boundary m m m");
     command("newton off");
     command("communicate single vel yes");
     command("units si");  // no conversion: any consistent set
     std::string corners;
     for (int c = 0; c < 3; ++c) {
-        const double half = 0.5 * extent[s.turned(c)] + model.crown_radius;
+        const double half = 0.5 * extent[s.turned(c)];
         corners += fmt::format(" {:.17g} {:.17g}", -half, half);
     }
     command("region everywhere block" + corners + " units box");
@@ -328,30 +381,74 @@ void Simulation::place_planes() {
         s.session.command("fix planes all tomodem/planes");
         s.planes = static_cast<FixPlanes*>(s.session.lmp().modify->find_fix_id("planes"));
     }
-    // Pairs that form before, while the free sample comes to rest, are internal.
-    if (s.model.self_contact && s.contact == nullptr) s.remember_contacts();
+    s.begin_loading();
     FixPlanes::Motion motion;
-    motion.centre = (low + high) / 2;
+    if (s.model.lateral != Lateral::free) {
+        s.session.command("fix sides all tomodem/lateral");
+        s.sides = static_cast<FixLateralBox*>(s.session.lmp().modify->find_fix_id("sides"));
+        s.sides->begin();
+    } else {
+        for (int c = 0; c < 2; ++c) {
+            double sum = 0;
+            for (int i = 0; i < atoms.nlocal; ++i) sum += atoms.x[i][c];
+            motion.centre[c] = s.total(sum) / static_cast<double>(s.count);
+        }
+    }
+    motion.centre[2] = (low + high) / 2;
     motion.initial_height = high - low;
     motion.seed_radius = s.model.seed_radius;
-    motion.first_step = s.loading_start = step();
+    motion.first_step = step();
     s.planes->move(motion);
     s.use_laws();
     s.ready = false;
 }
 
-void Simulation::set_loading(double strain, double rate) {
-    FixPlanes::Motion motion = state_->planes->motion();
-    motion.strain = strain;
-    motion.rate = rate;
-    motion.first_step = step();
-    state_->planes->move(motion);
+std::int64_t Simulation::place_wall(const TriangleMesh& mesh, const Wall& wall) {
+    State& s = *state_;
+    const std::string name = fmt::format("wall{}", s.surfaces.size());
+    s.session.command(fmt::format("fix {} all tomodem/surface", name));
+    auto* const fix = static_cast<FixSurface*>(s.session.lmp().modify->find_fix_id(name.c_str()));
+    TriangleMesh placed = mesh;
+    for (Vec3& vertex : placed.vertices) vertex = s.to_solver(vertex);
+    FixSurface::Motion motion;
+    for (int c = 0; c < 3; ++c) motion.velocity[c] = s.scale * wall.velocity[s.turned(c)];
+    motion.start = wall.start;
+    motion.stop = wall.stop;
+    fix->place(placed, motion);
+    s.surfaces.push_back(fix);
+    s.begin_loading();
+    s.use_laws();
+    s.ready = false;
+    return std::llround(s.total(static_cast<double>(fix->particles_within(0.5 * s.model.seed_radius))));
+}
+
+void Simulation::set_loading(const LoadSegment& segment) {
+    State& s = *state_;
+    s.segment = segment;
+    s.segment_start = step();
+    if (!s.loading) {
+        // Walls stand still, and forces do not count, while the sample comes to rest between them.
+        s.loading = true;
+        s.loading_start = step();
+        for (FixSurface* surface : s.surfaces) surface->start(step());
+        take_forces();
+        take_wall_forces();
+    }
+    if (s.planes == nullptr) return;
+    FixPlanes::Motion motion = s.planes->motion();
+    motion.segment = segment;
+    motion.first_step = s.segment_start;
+    s.planes->move(motion);
+    if (s.sides != nullptr) s.sides->follow(segment, s.segment_start);
+    if (segment.noise > 0) s.shake(segment.noise * 2 * s.model.seed_radius);
 }
 
 void Simulation::run(std::int64_t steps) {
     State& s = *state_;
     if (!s.ready) s.session.command("run 0 post no");
     s.ready = true;
+    // While the sample comes to rest between planes that stand still, the sides do too.
+    if (s.loading && s.sides != nullptr && s.model.lateral == Lateral::periodic) s.steer_sides();
     if (!s.relaxing) s.harden(static_cast<double>(step() + steps / 2 - s.loading_start) * s.model.time_step);
     s.session.command(fmt::format("run {} pre no post no", steps));
 }
@@ -361,10 +458,24 @@ std::int64_t Simulation::step() const {
 }
 
 double Simulation::strain() const {
-    return state_->planes->strain_at(step());
+    const double time = state_->model.time_step * static_cast<double>(step() - state_->segment_start);
+    return state_->segment.strain_at(time);
+}
+
+std::vector<Vec3> Simulation::take_wall_forces() {
+    const State& s = *state_;
+    std::vector<Vec3> forces;
+    for (FixSurface* wall : s.surfaces) {
+        const FixSurface::Forces mine = wall->take_forces();
+        Vec3 sum;
+        for (int c = 0; c < 3; ++c) sum[c] = s.total(mine.sum[c]);
+        forces.push_back(s.turned_back(sum) / (std::max(1L, mine.steps) * s.scale * s.scale));
+    }
+    return forces;
 }
 
 PlaneForces Simulation::take_forces() {
+    if (state_->planes == nullptr) return {};
     const FixPlanes::Forces mine = state_->planes->take_forces();
     PlaneForces forces;
     forces.steps = mine.steps;
@@ -394,6 +505,12 @@ double Simulation::largest_speed() const {
     return std::sqrt(state_->largest(squared)) / state_->scale;
 }
 
+std::optional<double> Simulation::periodic_section() const {
+    if (state_->model.lateral == Lateral::free) return {};
+    const LAMMPS_NS::Domain& domain = *state_->session.lmp().domain;
+    return domain.xprd * domain.yprd / (state_->scale * state_->scale);
+}
+
 double Simulation::initial_height() const {
     return state_->planes->motion().initial_height / state_->scale;
 }
@@ -408,7 +525,13 @@ std::int64_t Simulation::neighbour_builds() const {
 
 std::vector<Vec3> Simulation::positions() const {
     State& s = *state_;
-    std::vector<Vec3> points = s.gather(s.atom().x);
+    std::vector<Vec3> unwrapped(s.atom().nlocal);
+    std::vector<double*> rows;
+    for (std::size_t i = 0; i < unwrapped.size(); ++i) {
+        s.session.lmp().domain->unmap(s.atom().x[i], s.atom().image[i], unwrapped[i].data());
+        rows.push_back(unwrapped[i].data());
+    }
+    std::vector<Vec3> points = s.gather(rows.data());
     for (Vec3& point : points) point = s.centre + s.turned_back(point) / s.scale;
     return points;
 }

@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "core/load_path.hpp"
+#include "core/mesh.hpp"
 #include "core/model.hpp"
 #include "core/packing.hpp"
 
@@ -43,20 +46,30 @@ class Simulation {
     /// A face is at the outermost centre. Planes that pull (TRILIN's) must find more to hold: there a face is where the
     /// layer in their reach, r_c - r_s thick, has as many centres as the sample has on average.
     void place_planes();
-    /// Constant true strain rate (signed) from `strain` on, from the next step.
-    void set_loading(double strain, double rate);
+    /// Adds a rigid surface that begins its motion (mm/s, in the sample's axes) with the next step.
+    /// @param mesh  in the sample's own lengths and coordinates
+    /// @return particles nearer to it than half a seed radius: it stands inside the sample if there are any
+    std::int64_t place_wall(const TriangleMesh& mesh, const Wall& wall);
+    /// Begins a segment of the loading with the next step; gives the particles its random velocities.
+    void set_loading(const LoadSegment& segment);
 
     void run(std::int64_t steps);
     std::int64_t step() const;
     double strain() const;
     PlaneForces take_forces();
+    /// Mean force of each wall on the sample since the last call [uN], in the sample's axes, summed over all processes;
+    /// in the order in which the walls were placed.
+    std::vector<Vec3> take_wall_forces();
     Energies energies() const;
     double largest_speed() const;
+    /// Present area between periodic sides [mm^2], in the sample's own lengths; nothing when the sides are free.
+    std::optional<double> periodic_section() const;
     double initial_height() const;  ///< H0 [mm] of the sample's own lengths
     std::int64_t particles() const;
     std::int64_t neighbour_builds() const;
 
-    /// Positions in the order of the sample's particles, on the first process; empty elsewhere.
+    /// Positions in the order of the sample's particles, on the first process; empty elsewhere. Periodic sides do not
+    /// cut them: a particle that leaves goes on outside.
     std::vector<Vec3> positions() const;
 
     /// Sets velocities [mm/s] (in the order of the sample) and returns the forces [uN] at this moment, on the first

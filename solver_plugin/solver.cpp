@@ -11,6 +11,8 @@
 #include "core/cli.hpp"
 #include "core/error.hpp"
 #include "core/law/bilin_flow.hpp"
+#include "core/load_path.hpp"
+#include "core/mesh.hpp"
 #include "core/packing_file.hpp"
 #include "solver_plugin/simulation.hpp"
 
@@ -99,34 +101,63 @@ void relax_inside(Simulation& simulation, const Model& model, const Packing& sam
     }
 }
 
-/// Means of the plane forces over the last window of strain, point by point.
+/// Reads the surfaces of the scene's walls and stands them around the sample.
+void place_walls(Simulation& simulation, const Scene& scene) {
+    for (const Wall& wall : scene.walls) {
+        const auto refuse = [&](const std::string& what) {
+            throw InvalidInput(
+                fmt::format("scene '{}' line {}: wall '{}': {}", scene.path.string(), wall.line, wall.name, what));
+        };
+        try {
+            TriangleMesh mesh = read_mesh(wall.surface);
+            for (Vec3& vertex : mesh.vertices) vertex *= wall.unit;
+            if (const std::int64_t inside = simulation.place_wall(mesh, wall); inside > 0)
+                refuse(
+                    fmt::format("its surface stands inside the sample: {} particles are nearer than half a seed "
+                                "radius; move it, or check its unit",
+                                inside));
+        } catch (const InvalidInput& error) {
+            if (std::string_view(error.what()).starts_with("scene '")) throw;
+            refuse(error.what());
+        }
+    }
+}
+
+/// Mean forces of planes and walls on the sample over some steps.
+struct Forces {
+    PlaneForces planes;
+    std::vector<Vec3> walls;
+    std::int64_t steps = 0;
+};
+
+/// Means of the forces over the last window of strain, point by point.
 class ForceWindow {
  public:
-    void add(const PlaneForces& forces) {
-        recent_.push_back(forces);
+    void add(Forces forces) {
+        recent_.push_back(std::move(forces));
         if (recent_.size() > points_per_window) recent_.pop_front();
     }
-    PlaneForces mean() const {
-        PlaneForces sum;
-        for (const PlaneForces& forces : recent_) {
-            sum.top += forces.top * static_cast<double>(forces.steps);
-            sum.bottom += forces.bottom * static_cast<double>(forces.steps);
-            sum.steps += forces.steps;
+    Forces mean() const {
+        Forces mean{{}, std::vector<Vec3>(recent_.front().walls.size(), Vec3::Zero()), 0};
+        for (const Forces& forces : recent_) mean.steps += forces.steps;
+        for (const Forces& forces : recent_) {
+            const double share = static_cast<double>(forces.steps) / static_cast<double>(mean.steps);
+            mean.planes.top += share * forces.planes.top;
+            mean.planes.bottom += share * forces.planes.bottom;
+            for (std::size_t k = 0; k < mean.walls.size(); ++k) mean.walls[k] += share * forces.walls[k];
         }
-        sum.top /= static_cast<double>(sum.steps);
-        sum.bottom /= static_cast<double>(sum.steps);
-        return sum;
+        return mean;
     }
 
  private:
-    std::deque<PlaneForces> recent_;
+    std::deque<Forces> recent_;
 };
 
 struct Point {
     double strain, stress_true, stress_engineering, force_top, force_bottom, equilibrium_error, section;
 };
 
-Point measure(double strain, const PlaneForces& forces, double initial_section) {
+Point measure(double strain, const PlaneForces& forces, double section, double initial_section) {
     Point point{};
     point.strain = strain;
     point.force_top = forces.top;
@@ -134,26 +165,32 @@ Point measure(double strain, const PlaneForces& forces, double initial_section) 
     point.force_bottom = -forces.bottom;
     const double force = (forces.top + forces.bottom) / 2;
     const double magnitude = (std::abs(forces.top) + std::abs(forces.bottom)) / 2;
-    point.section = initial_section * std::exp(-strain);
+    point.section = section;
     point.stress_true = force / point.section;
     point.stress_engineering = force / initial_section;
     point.equilibrium_error = magnitude > 0 ? std::abs(point.force_top + point.force_bottom) / magnitude : 0;
     return point;
 }
 
-void record(RunWriter& writer, const Point& point, const plugin::Energies& energies, std::int64_t step, double time) {
-    const auto add = [&](const char* name, const char* unit, double value) {
+void record(RunWriter& writer, const Scene& scene, const Point& point, const std::vector<Vec3>& wall_forces,
+            const plugin::Energies& energies, std::int64_t step, double time) {
+    const auto add = [&](const std::string& name, const char* unit, double value) {
         writer.add_observable(name, unit, step, time, value);
     };
     add("strain", "", point.strain);
-    add("stress_true", "Pa", point.stress_true);
-    add("stress_engineering", "Pa", point.stress_engineering);
-    add("force_top", "uN", point.force_top);
-    add("force_bottom", "uN", point.force_bottom);
-    add("equilibrium_error", "", point.equilibrium_error);
+    if (!scene.steps.empty()) {
+        add("stress_true", "Pa", point.stress_true);
+        add("stress_engineering", "Pa", point.stress_engineering);
+        add("force_top", "uN", point.force_top);
+        add("force_bottom", "uN", point.force_bottom);
+        add("equilibrium_error", "", point.equilibrium_error);
+        add("section", "mm^2", point.section);
+    }
     add("kinetic_energy", "nJ", energies.kinetic);
     add("potential_energy", "nJ", energies.seeds);
-    add("section", "mm^2", point.section);
+    for (std::size_t k = 0; k < scene.walls.size(); ++k)
+        for (int axis = 0; axis < 3; ++axis)
+            add(fmt::format("wall_{}_force_{}", scene.walls[k].name, "xyz"[axis]), "uN", wall_forces[k][axis]);
 }
 
 }  // namespace
@@ -167,7 +204,8 @@ Relaxation relax(const Packing& sample, const Scene& scene, double periods, MPI_
     result.residual_energy = reduced_energy(simulation.energies().kinetic, model, sample);
     result.sample = sample;
     result.sample.position = simulation.positions();
-    result.sample.box.periodic = {false, false, false};
+    for (int axis = 0; axis < 3; ++axis)
+        result.sample.box.periodic[axis] = model.lateral != Lateral::free && axis != scene.axis;
     result.sample.relaxed = true;
     for (std::size_t k = 0; k < result.sample.position.size(); ++k)
         result.largest_displacement = std::max(
@@ -195,7 +233,8 @@ RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem
     std::optional<RunWriter> writer;
     if (first) writer.emplace(pressed, run_file, provenance);
 
-    simulation.place_planes();
+    if (!scene.steps.empty()) simulation.place_planes();
+    place_walls(simulation, scene);
     if (model.trilin) {
         relax_inside(simulation, model, sample, seating_periods);
         simulation.end_relaxation();
@@ -216,7 +255,8 @@ RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem
     write_frame();
     simulation.run(0);
     if (const plugin::Energies at_rest = simulation.energies(); first)
-        record(*writer, measure(0, {}, initial_section), at_rest, 0, 0);
+        record(*writer, scene, measure(0, {}, initial_section, initial_section),
+               std::vector<Vec3>(scene.walls.size(), Vec3::Zero()), at_rest, 0, 0);
 
     const double path = scene.path_length();
     const double point_spacing = scene.averaging_strain / points_per_window;
@@ -225,26 +265,26 @@ RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem
     ForceWindow window;
     double reached = 0, travelled = 0, error_sum = 0;
     std::int64_t frames_written = 0, error_points = 0;
-    for (const LoadStep& load : scene.steps) {
-        const double change = load.strain - reached;
-        const auto steps =
-            static_cast<std::int64_t>(std::max(1.0, std::round(std::abs(change) / (load.rate * model.time_step))));
-        // A whole number of steps that ends exactly on the target.
-        const double strain_per_step = change / static_cast<double>(steps);
-        simulation.set_loading(reached, strain_per_step / model.time_step);
-        const auto points = std::max<std::int64_t>(1, std::llround(std::abs(change) / point_spacing));
-        for (std::int64_t point = 0; point < points; ++point) {
-            const std::int64_t chunk = steps * (point + 1) / points - steps * point / points;
-            if (chunk == 0) continue;
-            simulation.run(chunk);
-            travelled += std::abs(strain_per_step) * static_cast<double>(chunk);
+    for (const LoadSegment& segment : load_path(scene, model.time_step)) {
+        simulation.set_loading(segment);
+        std::int64_t done = 0;
+        for (const std::int64_t next : segment.curve_steps(point_spacing)) {
+            simulation.run(next - done);
+            travelled += std::abs(simulation.strain() - reached);
+            reached = simulation.strain();
             const plugin::Energies energies = simulation.energies();
             refuse_runaway(simulation, energies.kinetic, model, sample,
                            fmt::format("at strain {:.3f}", simulation.strain()));
-            window.add(simulation.take_forces());
-            const Point measured = measure(simulation.strain(), window.mean(), initial_section);
+            window.add({simulation.take_forces(), simulation.take_wall_forces(), next - done});
+            done = next;
+            const Forces forces = window.mean();
+            const double section =
+                simulation.periodic_section().value_or(initial_section * std::exp(-simulation.strain()));
+            const Point measured = measure(simulation.strain(), forces.planes, section, initial_section);
             const std::int64_t step = simulation.step() - start;
-            if (first) record(*writer, measured, energies, step, static_cast<double>(step) * model.time_step);
+            if (first)
+                record(*writer, scene, measured, forces.walls, energies, step,
+                       static_cast<double>(step) * model.time_step);
             if (travelled > path / 2) {
                 error_sum += measured.equilibrium_error;
                 ++error_points;
@@ -257,7 +297,6 @@ RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem
             }
             progress.update(travelled);
         }
-        reached = load.strain;
     }
     result.mean_equilibrium_error = error_points > 0 ? error_sum / static_cast<double>(error_points) : 0;
     result.particles_lost = result.particles - simulation.particles();
