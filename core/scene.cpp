@@ -195,6 +195,12 @@ void read_accuracy(TableReader reader, Scene& scene) {
     reader.refuse_unknown();
 }
 
+void read_output(TableReader reader, Scene& scene) {
+    scene.write_velocity = reader.boolean("velocity").value_or(false);
+    scene.write_stress = reader.boolean("stress").value_or(false);
+    reader.refuse_unknown();
+}
+
 void check_loads_against_laws(const Scene& scene, const TableReader& reader) {
     double reached = 0;
     for (const LoadStep& step : scene.steps) {
@@ -281,6 +287,7 @@ Scene parse_scene(const std::string& text, const std::string& name) {
     reader.get("load");
     read_load(*reader.table("load", "[load]"), name, scene);
     if (auto accuracy = reader.table("accuracy", "[accuracy]")) read_accuracy(*accuracy, scene);
+    if (auto output = reader.table("output", "[output]")) read_output(*output, scene);
     reader.refuse_unknown();
     check_loads_against_laws(scene, reader);
     return scene;

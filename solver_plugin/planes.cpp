@@ -49,6 +49,7 @@ double FixPlanes::press(const std::vector<int>& candidates, double plane, double
         const double normal_force = law::bilin_force(law, distance, inward * (atom->v[i][2] - velocity));
         atom->f[i][2] += inward * normal_force;
         total += normal_force;
+        if (tally_step_ == update->ntimestep) tally_[static_cast<std::size_t>(i)] -= normal_force * distance;
     }
     return total;
 }
@@ -65,6 +66,7 @@ void FixPlanes::post_force(int) {
     const bool outrun = std::abs(high - chosen_high_) > 0.5 * neighbor->skin;
     if (neighbor->ago == 0 || update->setupflag || outrun) choose_candidates(low, high);
 
+    if (tally_step_ == update->ntimestep) tally_.assign(static_cast<std::size_t>(atom->nlocal), 0.0);
     const double on_bottom = press(near_low_, low, -velocity, 1);
     const double on_top = press(near_high_, high, velocity, -1);
     if (update->setupflag) return;

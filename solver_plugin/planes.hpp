@@ -35,6 +35,11 @@ class FixPlanes : public LAMMPS_NS::Fix {
     /// This process' share; the sum over processes is the force.
     Forces take_forces();
 
+    /// In that step, sums force times lever (from the centre to the plane) of each particle: the planes' part of its
+    /// stress, zz alone.
+    void tally_at(LAMMPS_NS::bigint step) { tally_step_ = step; }
+    double tallied(int i) const { return tally_[static_cast<std::size_t>(i)]; }
+
     int setmask() override;
     void init() override;
     void setup(int flag) override { post_force(flag); }
@@ -48,6 +53,8 @@ class FixPlanes : public LAMMPS_NS::Fix {
     Forces forces_;
     BilinProperties properties_;
     std::vector<int> near_low_, near_high_;
+    LAMMPS_NS::bigint tally_step_ = -1;
+    std::vector<double> tally_;
     double chosen_low_ = 0, chosen_high_ = 0;
 };
 

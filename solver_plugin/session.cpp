@@ -1,58 +1,59 @@
 #include "solver_plugin/session.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cstdio>
-#include <fstream>
+#include <string_view>
+#include <utility>
 
 #include "solver_plugin/registration.hpp"
 
 namespace tomodem::plugin {
 namespace {
 
-/// Log of the LIGGGHTS that is alive; empty when there is none. Never destroyed: read when the process ends.
-std::filesystem::path& live_log() {
-    static auto* const path = new std::filesystem::path;
-    return *path;
+/// Never destroyed: LIGGGHTS may end the process at any time.
+std::string& advice() {
+    static auto* const text = new std::string;
+    return *text;
 }
 
-/// Runs when the process ends: a log that is still live means that LIGGGHTS ended it.
-void tell_last_error() {
-    if (live_log().empty()) return;
-    std::ifstream log(live_log());
-    std::string line, last;
-    while (std::getline(log, line))
-        if (line.find("ERROR") != std::string::npos) last = line;
-    if (!last.empty()) std::fprintf(stderr, "tomodem: LIGGGHTS stopped: %s\n", last.c_str());
-    std::error_code ignored;
-    std::filesystem::remove(live_log(), ignored);
+/// Takes what LIGGGHTS says on its screen, and passes on why it ends the process.
+ssize_t listen(void*, const char* text, std::size_t size) {
+    const std::string_view said(text, size);
+    const auto error = said.find("ERROR");
+    if (error != std::string_view::npos) {
+        const std::string line(said.substr(error, said.find('\n', error) - error));
+        std::fprintf(stderr, "tomodem: LIGGGHTS stopped: %s%s\n", line.c_str(), advice().c_str());
+    }
+    return static_cast<ssize_t>(size);
 }
 
 }  // namespace
 
 Session::Session(MPI_Comm communicator) {
     register_laws();
-    static const bool watched = std::atexit(tell_last_error) == 0;
-    (void)watched;
-    log_ = std::filesystem::temp_directory_path() / fmt::format("tomodem-liggghts-{}.log", getpid());
-    live_log() = log_;
-    std::string words[] = {"liggghts", "-log", log_.string(), "-screen", "none"};
+    std::string words[] = {"liggghts", "-log", "none", "-screen", "none"};
     char* arguments[std::size(words)];
     for (std::size_t k = 0; k < std::size(words); ++k) arguments[k] = words[k].data();
     lmp_ = std::make_unique<LAMMPS_NS::LAMMPS>(static_cast<int>(std::size(words)), arguments, communicator);
+    // On every process: an error of one alone is written by that one, on its screen only.
+    lmp_->screen = fopencookie(nullptr, "w", {nullptr, &listen, nullptr, nullptr});
+    if (lmp_->screen != nullptr) std::setvbuf(lmp_->screen, nullptr, _IOLBF, 0);
     register_fixes(*lmp_);
 }
 
 Session::~Session() {
+    std::FILE* const screen = std::exchange(lmp_->screen, nullptr);
     lmp_.reset();
-    live_log().clear();
-    std::error_code ignored;
-    std::filesystem::remove(log_, ignored);
+    if (screen != nullptr) std::fclose(screen);
 }
 
 void Session::command(const std::string& line) {
     lmp_->input->one(line.c_str());
+}
+
+void Session::advise(const std::string& text) {
+    advice() = text;
 }
 
 }  // namespace tomodem::plugin

@@ -1,5 +1,4 @@
 #pragma once
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -20,8 +19,10 @@ class Session {
     void command(const std::string& line);
     LAMMPS_NS::LAMMPS& lmp() { return *lmp_; }
 
+    /// What that line ends with: how to go on.
+    static void advise(const std::string& text);
+
  private:
-    std::filesystem::path log_;
     std::unique_ptr<LAMMPS_NS::LAMMPS> lmp_;
 };
 

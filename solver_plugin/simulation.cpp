@@ -34,13 +34,16 @@ struct Simulation::State {
     std::int64_t count = 0;
     Session session;
     FixPlanes* planes = nullptr;
-    bool ready = false;  ///< LIGGGHTS is set up for the present masses and planes
+    bool ready = false;              ///< LIGGGHTS is set up for the present masses and planes
+    double sample_volume = 0;        ///< of the sample's box, in its own lengths
+    std::int64_t builds_before = 0;  ///< neighbour builds before the last set-up
 
     State(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
         : communicator(communicator), model(model), axis(axis), session(communicator) {
         MPI_Comm_rank(communicator, &rank);
         scale = model.seed_radius / sample.seed_radius;
         count = static_cast<std::int64_t>(sample.size());
+        sample_volume = sample.box.volume();
     }
 
     LAMMPS_NS::Atom& atom() { return *session.lmp().atom; }
@@ -78,6 +81,12 @@ struct Simulation::State {
         throw InvalidInput(fmt::format("the model has no phase with label {}", label));
     }
 
+    void add_planes() {
+        if (planes != nullptr) return;
+        session.command("fix planes all tomodem/planes");
+        planes = static_cast<FixPlanes*>(session.lmp().modify->find_fix_id("planes"));
+    }
+
     /// One matrix of a pair constant, as `fix property/global` takes it.
     template <class Constant>
     std::string pair_matrix(Constant constant) const {
@@ -88,19 +97,27 @@ struct Simulation::State {
     }
 
     void create_particles(const Packing& sample) {
-        LAMMPS_NS::Atom& atoms = atom();
         const LAMMPS_NS::Domain& domain = *session.lmp().domain;
         for (std::size_t k = 0; k < sample.size(); ++k) {
             Vec3 point = to_solver(sample.position[k]);
             bool mine = true;
             for (int c = 0; c < 3; ++c) mine = mine && point[c] >= domain.sublo[c] && point[c] < domain.subhi[c];
             if (!mine) continue;
-            const int type = type_of(sample.species[k]);
-            atoms.avec->create_atom(type, point.data());
-            const int i = atoms.nlocal - 1;
-            atoms.tag[i] = static_cast<int>(k) + 1;
-            atoms.radius[i] = model.crown_radius;
+            create_particle(type_of(sample.species[k]), static_cast<int>(k) + 1, point.data());
         }
+        count_particles();
+    }
+
+    void create_particle(int type, int tag, double* point) {
+        LAMMPS_NS::Atom& atoms = atom();
+        atoms.avec->create_atom(type, point);
+        const int i = atoms.nlocal - 1;
+        atoms.tag[i] = tag;
+        atoms.radius[i] = model.crown_radius;
+    }
+
+    void count_particles() {
+        LAMMPS_NS::Atom& atoms = atom();
         atoms.natoms = static_cast<LAMMPS_NS::bigint>(std::llround(total(atoms.nlocal)));
         if (atoms.natoms != count)
             throw InvalidInput(
@@ -119,6 +136,52 @@ struct Simulation::State {
             atoms.density[i] = atoms.rmass[i] / crown_volume;
         }
         ready = false;
+    }
+
+    void set_up_if_needed() {
+        if (ready) return;
+        builds_before += session.lmp().neighbor->ncalls;
+        session.command("run 0 post no");
+        ready = true;
+    }
+
+    /// Deals `components` values of each local particle out to the processes that hold their rows.
+    RowBlock rows(int components, const std::vector<double>& local) {
+        LAMMPS_NS::Atom& atoms = atom();
+        int processes = 1;
+        MPI_Comm_size(communicator, &processes);
+        std::vector<std::size_t> first(processes + 1);
+        for (int p = 0; p <= processes; ++p) first[p] = first_row(count, p, processes);
+        const auto owner = [&](int tag) {
+            const auto row = static_cast<std::size_t>(tag - 1);
+            return static_cast<int>(std::upper_bound(first.begin(), first.end(), row) - first.begin()) - 1;
+        };
+        const int width = components + 1;  // with the tag, which a double holds exactly
+        std::vector<int> sizes(processes, 0), received(processes), from(processes, 0), to(processes, 0);
+        for (int i = 0; i < atoms.nlocal; ++i) sizes[owner(atoms.tag[i])] += width;
+        MPI_Alltoall(sizes.data(), 1, MPI_INT, received.data(), 1, MPI_INT, communicator);
+        for (int p = 1; p < processes; ++p) {
+            from[p] = from[p - 1] + sizes[p - 1];
+            to[p] = to[p - 1] + received[p - 1];
+        }
+        std::vector<double> out(static_cast<std::size_t>(width) * atoms.nlocal);
+        std::vector<double> in(static_cast<std::size_t>(to.back()) + received.back());
+        std::vector<int> next = from;
+        for (int i = 0; i < atoms.nlocal; ++i) {
+            double* const record = out.data() + next[owner(atoms.tag[i])];
+            next[owner(atoms.tag[i])] += width;
+            record[0] = atoms.tag[i];
+            std::copy_n(local.data() + static_cast<std::size_t>(components) * i, components, record + 1);
+        }
+        MPI_Alltoallv(out.data(), sizes.data(), from.data(), MPI_DOUBLE, in.data(), received.data(), to.data(),
+                      MPI_DOUBLE, communicator);
+        RowBlock block{first[rank], components, {}};
+        block.values.resize((first[rank + 1] - first[rank]) * components);
+        for (std::size_t k = 0; k < in.size(); k += width) {
+            const std::size_t row = static_cast<std::size_t>(in[k]) - 1 - first[rank];
+            std::copy_n(in.data() + k + 1, components, block.values.data() + row * components);
+        }
+        return block;
     }
 
     /// Vectors of the local particles, in the order of the sample, on the first process.
@@ -247,15 +310,12 @@ void Simulation::place_planes() {
     high = s.largest(high);
     if (!(high > low))
         throw InvalidInput("the sample has no height along the loading axis: it needs two layers at least");
-    if (s.planes == nullptr) {
-        s.session.command("fix planes all tomodem/planes");
-        s.planes = static_cast<FixPlanes*>(s.session.lmp().modify->find_fix_id("planes"));
-    }
     FixPlanes::Motion motion;
     motion.centre = (low + high) / 2;
     motion.initial_height = high - low;
     motion.seed_radius = s.model.seed_radius;
     motion.first_step = step();
+    s.add_planes();
     s.planes->move(motion);
     s.ready = false;
 }
@@ -268,11 +328,20 @@ void Simulation::set_loading(double strain, double rate) {
     state_->planes->move(motion);
 }
 
-void Simulation::run(std::int64_t steps) {
+void Simulation::run(std::int64_t steps, const Pace& pace) {
     State& s = *state_;
-    if (!s.ready) s.session.command("run 0 post no");
-    s.ready = true;
-    s.session.command(fmt::format("run {} pre no post no", steps));
+    s.set_up_if_needed();
+    constexpr std::int64_t most = 1'000'000'000;  // LIGGGHTS counts the steps of one run in an int
+    for (std::int64_t left = steps; left > 0;) {
+        const std::int64_t piece = std::min(left, pace ? std::max<std::int64_t>(1, pace()) : most);
+        s.session.command(fmt::format("run {} pre no post no", piece));
+        left -= piece;
+    }
+}
+
+void Simulation::run_to_stress_sample(std::int64_t steps, const Pace& pace) {
+    sample_stress_at(step() + steps);
+    run(steps, pace);
 }
 
 std::int64_t Simulation::step() const {
@@ -322,7 +391,131 @@ std::int64_t Simulation::particles() const {
 }
 
 std::int64_t Simulation::neighbour_builds() const {
-    return state_->session.lmp().neighbor->ncalls;
+    return state_->builds_before + state_->session.lmp().neighbor->ncalls;
+}
+
+void Simulation::save(Checkpoint& checkpoint) const {
+    State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    const LAMMPS_NS::Domain& domain = *s.session.lmp().domain;
+    const auto mine = static_cast<std::size_t>(atoms.nlocal);
+    ParticleState& particles = checkpoint.particles;
+    particles.tag.assign(atoms.tag, atoms.tag + mine);
+    particles.type.assign(atoms.type, atoms.type + mine);
+    particles.position.assign(mine > 0 ? atoms.x[0] : nullptr, mine > 0 ? atoms.x[0] + 3 * mine : nullptr);
+    particles.velocity.assign(mine > 0 ? atoms.v[0] : nullptr, mine > 0 ? atoms.v[0] + 3 * mine : nullptr);
+    particles.memory_length.assign(mine, 0);
+    particles.memory.clear();
+    checkpoint.numbers["solver_step"] = {static_cast<double>(step())};
+    checkpoint.numbers["solver_box"] = {domain.boxlo[0], domain.boxlo[1], domain.boxlo[2],
+                                        domain.boxhi[0], domain.boxhi[1], domain.boxhi[2]};
+    if (s.planes != nullptr)
+        checkpoint.numbers["solver_planes"] = {s.planes->motion().centre, s.planes->motion().initial_height};
+}
+
+void Simulation::restore(const FoundCheckpoint& found) {
+    State& s = *state_;
+    const ParticleState& particles = found.checkpoint.particles;
+    LAMMPS_NS::Atom& atoms = s.atom();
+    LAMMPS_NS::Domain& domain = *s.session.lmp().domain;
+    atoms.map_clear();
+    atoms.nlocal = atoms.nghost = 0;
+    for (std::size_t k = 0; k < particles.tag.size(); ++k) {
+        double point[3];
+        std::copy_n(particles.position.data() + 3 * k, 3, point);
+        s.create_particle(particles.type[k], particles.tag[k], point);
+        std::copy_n(particles.velocity.data() + 3 * k, 3, atoms.v[atoms.nlocal - 1]);
+    }
+    s.count_particles();
+    s.set_masses([](const PhaseModel& phase) { return phase.natural_period; });
+    const std::vector<double>& box = found.checkpoint.numbers.at("solver_box");
+    std::copy_n(box.data(), 3, domain.boxlo);
+    std::copy_n(box.data() + 3, 3, domain.boxhi);
+    domain.set_global_box();
+    domain.set_local_box();
+    if (!found.same_processes) LAMMPS_NS::Irregular(&s.session.lmp()).migrate_atoms();
+    set_step(static_cast<std::int64_t>(found.checkpoint.number("solver_step")));
+    if (const auto planes = found.checkpoint.numbers.find("solver_planes"); planes != found.checkpoint.numbers.end()) {
+        s.add_planes();
+        FixPlanes::Motion motion;
+        motion.centre = planes->second.at(0);
+        motion.initial_height = planes->second.at(1);
+        motion.seed_radius = s.model.seed_radius;
+        motion.first_step = step();
+        s.planes->move(motion);
+    }
+    s.ready = false;
+}
+
+void Simulation::rest() {
+    state_->ready = false;
+}
+
+void Simulation::set_step(std::int64_t step) {
+    state_->session.command(fmt::format("reset_timestep {}", step));
+}
+
+RowBlock Simulation::position_rows() const {
+    State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    std::vector<double> values;
+    values.reserve(3 * static_cast<std::size_t>(atoms.nlocal));
+    for (int i = 0; i < atoms.nlocal; ++i) {
+        const Vec3 point = s.centre + s.turned_back(Vec3(atoms.x[i])) / s.scale;
+        values.insert(values.end(), point.begin(), point.end());
+    }
+    return s.rows(3, values);
+}
+
+RowBlock Simulation::velocity_rows() const {
+    State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    std::vector<double> values;
+    values.reserve(3 * static_cast<std::size_t>(atoms.nlocal));
+    for (int i = 0; i < atoms.nlocal; ++i) {
+        const Vec3 velocity = s.turned_back(Vec3(atoms.v[i])) / s.scale;
+        values.insert(values.end(), velocity.begin(), velocity.end());
+    }
+    return s.rows(3, values);
+}
+
+double Simulation::volume_per_particle() const {
+    return state_->sample_volume / static_cast<double>(state_->count);
+}
+
+void Simulation::prepare_stress_samples() {
+    // Its part is to ask for the virial of each particle in the steps that are sampled.
+    state_->session.command("compute stress all stress/atom pair");
+    state_->ready = false;
+}
+
+void Simulation::sample_stress_at(std::int64_t step) {
+    State& s = *state_;
+    LAMMPS_NS::Modify& modify = *s.session.lmp().modify;
+    modify.compute[modify.find_compute("stress")]->addstep(step);
+    if (s.planes != nullptr) s.planes->tally_at(step);
+}
+
+RowBlock Simulation::stress_rows() const {
+    State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    const LAMMPS_NS::Pair& pair = *s.session.lmp().force->pair;
+    if (pair.vatom == nullptr && atoms.nlocal > 0) throw std::logic_error("no stress was sampled");
+    // The virial sums f_a d_b with d from the neighbour: the lever from the centre to the contact is -d/2.
+    const double over_volume = 1 / (volume_per_particle() * std::pow(s.scale, 3));
+    constexpr int first[] = {0, 1, 2, 0, 0, 1}, second[] = {0, 1, 2, 1, 2, 2};
+    std::vector<double> values(6 * static_cast<std::size_t>(atoms.nlocal));
+    for (int i = 0; i < atoms.nlocal; ++i) {
+        double solver[3][3], turned[3][3];
+        for (int k = 0; k < 6; ++k) {
+            const double virial = -pair.vatom[i][k] + (k == 2 && s.planes != nullptr ? s.planes->tallied(i) : 0.0);
+            solver[first[k]][second[k]] = solver[second[k]][first[k]] = virial * over_volume;
+        }
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) turned[s.turned(a)][s.turned(b)] = solver[a][b];
+        for (int k = 0; k < 6; ++k) values[6 * static_cast<std::size_t>(i) + k] = turned[first[k]][second[k]];
+    }
+    return s.rows(6, values);
 }
 
 std::vector<Vec3> Simulation::positions() const {
@@ -337,8 +530,8 @@ std::vector<Vec3> Simulation::forces_at(const std::vector<Vec3>& velocities) {
     LAMMPS_NS::Atom& atoms = s.atom();
     for (int i = 0; i < atoms.nlocal; ++i)
         for (int c = 0; c < 3; ++c) atoms.v[i][c] = s.scale * velocities[atoms.tag[i] - 1][s.turned(c)];
-    s.session.command("run 0 post no");
-    s.ready = true;
+    s.ready = false;
+    s.set_up_if_needed();
     std::vector<Vec3> forces = s.gather(atoms.f);
     for (Vec3& force : forces) force = s.turned_back(force) / (s.scale * s.scale);
     return forces;

@@ -2,11 +2,13 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include "core/model.hpp"
 #include "core/packing.hpp"
+#include "solver_plugin/checkpoint.hpp"
 
 /// A sample inside LIGGGHTS. No LIGGGHTS header is needed to use it.
 namespace tomodem::plugin {
@@ -43,7 +45,14 @@ class Simulation {
     /// Constant true strain rate (signed) from `strain` on, from the next step.
     void set_loading(double strain, double rate);
 
-    void run(std::int64_t steps);
+    /// Called between the pieces that a run is made in: returns how many steps the next may have, or throws. The pieces
+    /// change nothing in the result.
+    using Pace = std::function<std::int64_t()>;
+    void run(std::int64_t steps, const Pace& pace = {});
+    /// Once, before the first run, where stresses will be sampled.
+    void prepare_stress_samples();
+    /// As run(), with the stress of every particle taken in the last step, as the laws see it there.
+    void run_to_stress_sample(std::int64_t steps, const Pace& pace = {});
     std::int64_t step() const;
     double strain() const;
     PlaneForces take_forces();
@@ -53,6 +62,26 @@ class Simulation {
     std::int64_t particles() const;
     std::int64_t neighbour_builds() const;
 
+    /// Saves what restore() needs, under the names that begin with "solver".
+    void save(Checkpoint& checkpoint) const;
+    /// Takes the particles, the planes and the step of a checkpoint instead of its own. The next run sets LIGGGHTS up
+    /// anew, as it does after rest(): from there on both give the same numbers, on the same number of processes.
+    void restore(const FoundCheckpoint& found);
+    /// The next run sets LIGGGHTS up anew from the particles as they are.
+    void rest();
+    /// Counts on from another step; what moves with the time starts from there when it is set next.
+    void set_step(std::int64_t step);
+
+    /// Values by row, that is in the order of the sample's particles: each process gets its block of rows, in the
+    /// sample's axes.
+    RowBlock position_rows() const;  ///< mm
+    RowBlock velocity_rows() const;  ///< mm/s
+    /// Stress at the last sample: xx yy zz xy xz yz [Pa], tension positive; its volume is volume_per_particle().
+    /// sigma_ab = 1/V sum f_a l_b over the contacts of a particle, planes included (thesis eq. 8.12).
+    RowBlock stress_rows() const;
+    /// Volume of the sample's box over the number of its particles [mm^3].
+    double volume_per_particle() const;
+
     /// Positions in the order of the sample's particles, on the first process; empty elsewhere.
     std::vector<Vec3> positions() const;
 
@@ -61,6 +90,7 @@ class Simulation {
     std::vector<Vec3> forces_at(const std::vector<Vec3>& velocities);
 
  private:
+    void sample_stress_at(std::int64_t step);
     struct State;
     std::unique_ptr<State> state_;
 };
