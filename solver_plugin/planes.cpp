@@ -20,6 +20,10 @@ double FixPlanes::strain_at(bigint step) const {
     return motion_.strain + motion_.rate * update->dt * static_cast<double>(step - motion_.first_step);
 }
 
+double FixPlanes::half_gap_at(bigint step) const {
+    return 0.5 * motion_.initial_height * std::exp(strain_at(step)) + motion_.seed_radius;
+}
+
 FixPlanes::Forces FixPlanes::take_forces() {
     const Forces taken = forces_;
     forces_ = {};
@@ -56,7 +60,7 @@ double FixPlanes::press(const std::vector<int>& candidates, double plane, double
 
 void FixPlanes::post_force(int) {
     const double strain = strain_at(update->ntimestep);
-    const double half_gap = 0.5 * motion_.initial_height * std::exp(strain) + motion_.seed_radius;
+    const double half_gap = half_gap_at(update->ntimestep);
     const double low = motion_.centre - half_gap, high = motion_.centre + half_gap;
     // The particles hold their half-step velocities when forces are computed: so do the planes.
     const double velocity =

@@ -32,6 +32,8 @@ class FixPlanes : public LAMMPS_NS::Fix {
     void move(const Motion& motion) { motion_ = motion; }
     const Motion& motion() const { return motion_; }
     double strain_at(LAMMPS_NS::bigint step) const;
+    /// Distance of the planes from the middle.
+    double half_gap_at(LAMMPS_NS::bigint step) const;
     /// This process' share; the sum over processes is the force.
     Forces take_forces();
 

@@ -2,50 +2,85 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <string_view>
-#include <utility>
+#include <time.h>
 
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "core/error.hpp"
 #include "solver_plugin/registration.hpp"
 
 namespace tomodem::plugin {
 namespace {
 
-/// Never destroyed: LIGGGHTS may end the process at any time.
+/// How long a process that failed waits for the others to fail alike.
+constexpr int patience_hundredths = 500;
+
+/// For the agreement on failures alone: the others may be inside any other call.
+MPI_Comm failures = MPI_COMM_NULL;
+
 std::string& advice() {
-    static auto* const text = new std::string;
-    return *text;
+    static std::string text;
+    return text;
 }
 
-/// Takes what LIGGGHTS says on its screen, and passes on why it ends the process.
-ssize_t listen(void*, const char* text, std::size_t size) {
-    const std::string_view said(text, size);
-    const auto error = said.find("ERROR");
-    if (error != std::string_view::npos) {
-        const std::string line(said.substr(error, said.find('\n', error) - error));
-        std::fprintf(stderr, "tomodem: LIGGGHTS stopped: %s%s\n", line.c_str(), advice().c_str());
+std::string reason(const char* file, int line, const char* text) {
+    return fmt::format("LIGGGHTS stopped: {} ({}:{})", text, std::filesystem::path(file).filename().string(), line);
+}
+
+bool all_failed() {
+    if (failures == MPI_COMM_NULL) return false;
+    MPI_Request request;
+    int arrived = 0;
+    MPI_Ibarrier(failures, &request);
+    for (int waited = 0; waited < patience_hundredths; ++waited) {
+        MPI_Test(&request, &arrived, MPI_STATUS_IGNORE);
+        if (arrived) return true;
+        const timespec pause{0, 10'000'000};
+        nanosleep(&pause, nullptr);
     }
-    return static_cast<ssize_t>(size);
+    return false;
 }
 
 }  // namespace
+}  // namespace tomodem::plugin
+
+// LIGGGHTS' own versions end the process with a text that nobody sees. An executable's symbols go before those of a
+// shared library, so these serve LIGGGHTS too.
+namespace LAMMPS_NS {
+
+/// Called by all processes.
+void Error::all(const char* file, int line, const char* text) {
+    throw tomodem::InvalidInput(tomodem::plugin::reason(file, line, text));
+}
+
+/// Called by one process, or by several on the same occasion.
+void Error::one(const char* file, int line, const char* text) {
+    const std::string reason = tomodem::plugin::reason(file, line, text);
+    if (tomodem::plugin::all_failed()) throw tomodem::InvalidInput(reason);
+    std::fprintf(stderr, "tomodem: %s%s\n", reason.c_str(), tomodem::plugin::advice().c_str());
+    MPI_Abort(MPI_COMM_WORLD, 1);
+    std::abort();
+}
+
+}  // namespace LAMMPS_NS
+
+namespace tomodem::plugin {
 
 Session::Session(MPI_Comm communicator) {
     register_laws();
+    MPI_Comm_dup(communicator, &failures);
     std::string words[] = {"liggghts", "-log", "none", "-screen", "none"};
     char* arguments[std::size(words)];
     for (std::size_t k = 0; k < std::size(words); ++k) arguments[k] = words[k].data();
     lmp_ = std::make_unique<LAMMPS_NS::LAMMPS>(static_cast<int>(std::size(words)), arguments, communicator);
-    // On every process: an error of one alone is written by that one, on its screen only.
-    lmp_->screen = fopencookie(nullptr, "w", {nullptr, &listen, nullptr, nullptr});
-    if (lmp_->screen != nullptr) std::setvbuf(lmp_->screen, nullptr, _IOLBF, 0);
     register_fixes(*lmp_);
 }
 
 Session::~Session() {
-    std::FILE* const screen = std::exchange(lmp_->screen, nullptr);
     lmp_.reset();
-    if (screen != nullptr) std::fclose(screen);
+    MPI_Comm_free(&failures);
 }
 
 void Session::command(const std::string& line) {

@@ -390,8 +390,22 @@ std::int64_t Simulation::particles() const {
     return std::llround(state_->total(state_->atom().nlocal));
 }
 
+std::int64_t Simulation::particles_behind_planes() const {
+    const State& s = *state_;
+    if (s.planes == nullptr) return 0;
+    const double half_gap = s.planes->half_gap_at(step()), centre = s.planes->motion().centre;
+    const LAMMPS_NS::Atom& atoms = state_->atom();
+    double behind = 0;
+    for (int i = 0; i < atoms.nlocal; ++i) behind += std::abs(atoms.x[i][2] - centre) > half_gap;
+    return std::llround(state_->total(behind));
+}
+
 std::int64_t Simulation::neighbour_builds() const {
     return state_->builds_before + state_->session.lmp().neighbor->ncalls;
+}
+
+void Simulation::advise(const std::string& text) {
+    Session::advise(text);
 }
 
 void Simulation::save(Checkpoint& checkpoint) const {

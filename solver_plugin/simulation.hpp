@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/model.hpp"
@@ -60,7 +61,12 @@ class Simulation {
     double largest_speed() const;
     double initial_height() const;  ///< H0 [mm] of the sample's own lengths
     std::int64_t particles() const;
+    /// Particles whose centre a plane has passed.
+    std::int64_t particles_behind_planes() const;
     std::int64_t neighbour_builds() const;
+
+    /// What the line ends with that the user sees when LIGGGHTS fails on one process alone.
+    void advise(const std::string& text);
 
     /// Saves what restore() needs, under the names that begin with "solver".
     void save(Checkpoint& checkpoint) const;

@@ -28,6 +28,10 @@ using plugin::Simulation;
 
 /// Kinetic energy over N k_rep r_s^2 above which a packing is falling apart (a calm one has 1e-6 or less).
 constexpr double runaway_energy = 0.05;
+/// Elastic energy over N k_rep r_s^2 above which the packing has collapsed: seeds overlap by 0.18 r_s in the mean. At
+/// the upper end of BILIN's rate sensitivity (chi = 41) it is 0.02.
+constexpr double collapse_energy = 0.1;
+
 constexpr int points_per_window = 10;
 
 /// Of stress, in a point of the curves: 20 in a window.
@@ -42,6 +46,9 @@ constexpr double seconds_of_a_piece = 0.2;
 /// Way of a plane in one time step over the crown radius: a particle must see a plane come (thesis: at most a tenth).
 constexpr double plane_way_refused = 0.5;
 constexpr double plane_way_warned = 0.1;
+
+/// The same way in one natural period. A particle that a plane hits is dug into by 1/(2 pi) of it.
+constexpr double plane_way_in_period_warned = 1;
 
 class Meter {
  public:
@@ -146,6 +153,22 @@ void refuse_runaway(const Simulation& simulation, double kinetic_energy, const M
             "the packing falls apart {} (step {}): its kinetic energy is {:.2g} N k_rep r_s^2, above {:g}; take a "
             "lower rate, a smaller strain_per_step, or a shorter natural_period",
             when, simulation.step(), energy, runaway_energy));
+}
+
+/// What only a run under load can do.
+void refuse_collapse(const Simulation& simulation, double elastic_energy, const Model& model, const Packing& sample,
+                     const std::string& when) {
+    if (const std::int64_t overrun = simulation.particles_behind_planes(); overrun > 0)
+        throw InvalidInput(fmt::format(
+            "the planes have run over {} particles {} (step {}): they are too fast for particles this heavy; take a "
+            "lower rate or a shorter natural_period",
+            overrun, when, simulation.step()));
+    const double energy = reduced_energy(elastic_energy, model, sample);
+    if (!(energy < collapse_energy))
+        throw InvalidInput(fmt::format(
+            "the packing has collapsed {} (step {}): the elastic energy of its seeds is {:.2g} N k_rep r_s^2, above "
+            "{:g}; is the seed radius of the sample right? Otherwise take a lower rate or a shorter natural_period",
+            when, simulation.step(), energy, collapse_energy));
 }
 
 void relax_inside(Simulation& simulation, const Model& model, const Packing& sample, double periods,
@@ -331,7 +354,8 @@ void check_plane_speed(const Scene& scene, const Model& model, const Packing& sa
     double highest_strain = 0;
     for (const LoadStep& step : scene.steps) highest_strain = std::max(highest_strain, step.strain);
     const double height = (high - low) * model.seed_radius / sample.seed_radius * std::exp(highest_strain);
-    const double way = 0.5 * scene.highest_rate() * model.time_step * height / model.crown_radius;
+    const double speed = 0.5 * scene.highest_rate() * height / model.crown_radius;
+    const double way = speed * model.time_step;
     const std::string what = fmt::format(
         "the planes move by {:.2g} crown radii in one time step (critical regime: particles do not see them come)",
         way);
@@ -339,6 +363,12 @@ void check_plane_speed(const Scene& scene, const Model& model, const Packing& sa
         throw InvalidInput(
             fmt::format("{}, at most {:g}; take a smaller time_step or strain_per_step", what, plane_way_refused));
     if (way > plane_way_warned) cli::warn(fmt::format("{}; better below {:g}", what, plane_way_warned));
+    for (const PhaseModel& phase : model.phases)
+        if (speed * phase.natural_period > plane_way_in_period_warned)
+            cli::warn(fmt::format(
+                "the planes move by {:.2g} crown radii in one natural period of label {} ({:.3g} s): "
+                "its inertia carries the load; better below {:g}",
+                speed * phase.natural_period, phase.label, phase.natural_period, plane_way_in_period_warned));
 }
 
 /// A run between its first and its last point.
@@ -389,9 +419,13 @@ class Pressing {
                 progress->update(plan_[next_ - 1].travelled - before);
             }
         } catch (const Stopped& stop) {
-            throw InvalidInput(fmt::format("stopped by {} {}{}", StopSignals::name(stop.signal), where(), rescue()));
+            const std::string reason = fmt::format("stopped by {} {}", StopSignals::name(stop.signal), where());
+            throw InvalidInput(reason + (rescue() ? fmt::format("; --resume goes on from the checkpoint '{}'",
+                                                                checkpoint_file_.string())
+                                                  : "; there is no checkpoint, nothing is kept"));
         } catch (const InvalidInput& error) {
-            throw InvalidInput(std::string(error.what()) + rescue());
+            const std::string reason = error.what();
+            throw InvalidInput(rescue() ? reason + kept_text() : reason);
         }
         return finish();
     }
@@ -448,8 +482,10 @@ class Pressing {
         });
         open();
         simulation().run(0);
+        const plugin::Energies energies = simulation().energies();
+        refuse_collapse(simulation(), energies.seeds, model_, sample_, "at the start");
         write_frame();
-        write_point(0, measure(0, {}, initial_section_), simulation().energies());
+        write_point(0, measure(0, {}, initial_section_), energies);
         take_snapshot();
     }
 
@@ -518,6 +554,8 @@ class Pressing {
         const plugin::Energies energies = simulation().energies();
         refuse_runaway(simulation(), energies.kinetic, model_, sample_,
                        fmt::format("at strain {:.3f}", simulation().strain()));
+        refuse_collapse(simulation(), energies.seeds, model_, sample_,
+                        fmt::format("at strain {:.3f}", simulation().strain()));
         window_.add(simulation().take_forces());
         const Point measured = measure(simulation().strain(), window_.mean(), initial_section_);
         ++next_;
@@ -617,18 +655,23 @@ class Pressing {
         write_checkpoint(snapshot_, inputs_, checkpoint_file_, communicator_);
         if (first_) output_->keep();
         kept_ = snapshot_on_disk_ = true;
+        simulation().advise(kept_text());
         last_checkpoint_ = std::chrono::steady_clock::now();
     }
 
-    /// Saves the last snapshot before the run ends too early. @return how to go on, for the message
-    std::string rescue() {
+    /// Saves the last snapshot before the run ends too early. @return whether there is a checkpoint
+    bool rescue() {
         try {
             if (snapshot_taken_ && !snapshot_on_disk_) write_snapshot();
         } catch (const InvalidInput&) {
             // What ended the run is what the user must hear.
         }
-        if (!kept_) return "; there is no checkpoint";
-        return fmt::format("; its last checkpoint is '{}', --resume goes on from there", checkpoint_file_.string());
+        return kept_;
+    }
+
+    std::string kept_text() const {
+        return fmt::format("; the last checkpoint before it is '{}', frames and curves are in '{}'",
+                           checkpoint_file_.string(), partial_.string());
     }
 
     RunResult finish() {
