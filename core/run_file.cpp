@@ -126,6 +126,7 @@ void create_run_file(const Packing& packing, const RunShape& shape, const Proven
         const Hdf5Handle value =
             writer.reserved<double>(group, "value", {shape.frames, n, static_cast<hsize_t>(field.components)});
         writer.attribute(value, "unit", field.unit);
+        for (const auto& [name, number] : field.attributes) writer.attribute(group, name.c_str(), number);
         for (const char* name : {"step", "time"})
             writer.link((group_of(position_field) + "/" + name).c_str(), group, name);
     }

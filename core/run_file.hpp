@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/packing.hpp"
@@ -21,6 +22,7 @@ namespace tomodem {
 struct ParticleField {
     std::string name, unit;
     int components = 3;
+    std::vector<std::pair<std::string, double>> attributes{};  ///< of its group
 };
 
 struct CurveShape {

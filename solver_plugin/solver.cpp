@@ -8,6 +8,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "core/cli.hpp"
@@ -28,9 +29,9 @@ using plugin::Simulation;
 
 /// Kinetic energy over N k_rep r_s^2 above which a packing is falling apart (a calm one has 1e-6 or less).
 constexpr double runaway_energy = 0.05;
-/// Elastic energy over N k_rep r_s^2 above which the packing has collapsed: seeds overlap by 0.18 r_s in the mean. At
+/// Elastic energy over N k_rep r_s^2 above which the packing has collapsed: seeds overlap by 0.26 r_s in the mean. At
 /// the upper end of BILIN's rate sensitivity (chi = 41) it is 0.02.
-constexpr double collapse_energy = 0.1;
+constexpr double collapse_energy = 0.2;
 
 constexpr int points_per_window = 10;
 
@@ -331,6 +332,20 @@ std::vector<PlannedPoint> plan_points(const Scene& scene, const std::vector<Load
     return plan;
 }
 
+/// Where stresses are sampled among the steps to a point: anywhere in each of equal parts, since the particles swing in
+/// step with each other, which equal distances would miss.
+std::vector<std::int64_t> sample_steps(std::int64_t steps, std::size_t point) {
+    const auto samples = std::min<std::int64_t>(samples_per_point, steps);
+    std::vector<std::int64_t> result;
+    for (std::int64_t k = 0; k < samples; ++k) {
+        const std::int64_t from = steps * k / samples, length = steps * (k + 1) / samples - from;
+        const double place = std::numbers::phi * static_cast<double>(samples * static_cast<std::int64_t>(point) + k);
+        result.push_back(from + 1 +
+                         static_cast<std::int64_t>((place - std::floor(place)) * static_cast<double>(length)));
+    }
+    return result;
+}
+
 std::filesystem::path with_suffix(std::filesystem::path file, const char* suffix) {
     std::error_code error;
     if (std::filesystem::is_symlink(file, error)) file = std::filesystem::weakly_canonical(file, error);
@@ -397,9 +412,12 @@ class Pressing {
         const Vec3 edges = sample.box.edges;
         initial_section_ = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];
         if (scene.write_velocity) fields_.push_back(velocity_field);
-        if (scene.write_stress) fields_.push_back(stress_field);
         simulation_.emplace(sample, model_, scene.axis, communicator);
-        if (scene.write_stress) simulation_->prepare_stress_samples();
+        if (scene.write_stress) {
+            fields_.push_back(stress_field);
+            fields_.back().attributes = {{"volume", simulation_->volume_per_particle()}};
+            simulation_->prepare_stress_samples();
+        }
         std::error_code ignored;
         const bool go_on = control.resume && std::filesystem::exists(checkpoint_file_, ignored);
         MPI_Barrier(communicator);
@@ -543,11 +561,13 @@ class Pressing {
         const auto pieces = pace(watch_, simulation());
         const std::int64_t steps = point.to - point.from;
         if (point.sampled) {
-            const auto samples = std::min<std::int64_t>(samples_per_point, steps);
-            for (std::int64_t k = 0; k < samples; ++k) {
-                simulation().run_to_stress_sample(steps * (k + 1) / samples - steps * k / samples, pieces);
+            std::int64_t done = 0;
+            for (const std::int64_t at : sample_steps(steps, next_)) {
+                simulation().run_to_stress_sample(at - done, pieces);
                 add_sample();
+                done = at;
             }
+            simulation().run(steps - done, pieces);
         } else {
             simulation().run(steps, pieces);
         }
