@@ -245,7 +245,7 @@ TEST_F(PackingFile, OfARunThatIsNotCommittedDoesNotAppear) {
 }
 
 TEST_F(PackingFile, OfARunThatIsStillWrittenShowsTheFramesAndPointsSoFar) {
-    const fs::path path = folder / "run.h5.partial";
+    const std::filesystem::path path = folder / "run.h5.partial";
     const Packing packing = sample();
     const ParticleField velocity{"velocity", "mm s-1", 3};
     create_run_file(packing, {4, {velocity}, {{"strain", "", 7}}}, provenance, path, path);
@@ -259,7 +259,8 @@ TEST_F(PackingFile, OfARunThatIsStillWrittenShowsTheFramesAndPointsSoFar) {
         file.write_rows(position_field, f, 0, rows.first(60));
         file.mark_frame(f, frame.step, frame.time);
     }
-    for (std::size_t k = 0; k < 3; ++k) file.write_point("strain", k, 5 * static_cast<std::int64_t>(k), 0.5 * k, -0.1 * k);
+    for (std::size_t k = 0; k < 3; ++k)
+        file.write_point("strain", k, 5 * static_cast<std::int64_t>(k), 0.5 * k, -0.1 * k);
     const RunReader run(path);
     EXPECT_EQ(run.frame_count(), 2u);
     EXPECT_EQ(run.frame(1).position, moved(packing, 1).position);
