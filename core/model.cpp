@@ -8,42 +8,71 @@
 
 #include "core/error.hpp"
 #include "core/law/bilin_flow.hpp"
+#include "core/law/trilin_flow.hpp"
 
 namespace tomodem {
 namespace {
 
 constexpr double pascal_per_megapascal = 1e6;
 
+/// A time step above this share of the natural period loses particles or falsifies the stress.
+double least_steps_per_period(Law law) {
+    return law == Law::bilin ? law::least_steps_per_period : law::trilin_steps_per_period;
+}
+
+struct Constants {
+    double stiffness, period;
+};
+
+Constants bilin_constants(const Norton& norton, double rate, double time_step, double seed_radius) {
+    const double chi = law::bilin_chi_for(norton.rate_sensitivity);
+    const double period = std::max(law::least_steps_per_period * time_step, std::sqrt(chi * time_step / rate));
+    const double stress = norton.stress(rate) * pascal_per_megapascal;
+    return {stress * 2 * seed_radius / law::bilin_master_curve(rate * period * period / time_step), period};
+}
+
+Constants trilin_constants(const Norton& norton, double rate, double time_step, double seed_radius) {
+    if (std::abs(norton.rate_sensitivity - law::trilin_rate_sensitivity) > law::trilin_sensitivity_tolerance)
+        throw InvalidInput(
+            fmt::format("M = {:g} is out of reach of law \"trilin\", whose rate sensitivity is {:g} within {:g}; under "
+                        "compression law \"bilin\" can",
+                        norton.rate_sensitivity, law::trilin_rate_sensitivity, law::trilin_sensitivity_tolerance));
+    const double period = law::trilin_steps_per_period * time_step;
+    const double stress = norton.stress(rate) * pascal_per_megapascal;
+    return {stress * 2 * seed_radius / law::trilin_flow(rate * period), period};
+}
+
 PhaseModel compile_phase(const Scene& scene, const Phase& phase, double time_step) {
     const double rate = scene.highest_rate();
-    const double shortest_period = law::least_steps_per_period * time_step;
-    double stiffness = 0, period = 0;
+    const bool trilin = phase.law == Law::trilin;
+    Constants constants{};
     if (phase.norton) {
-        double chi = 0;
         try {
-            chi = law::bilin_chi_for(phase.norton->rate_sensitivity);
+            constants =
+                (trilin ? trilin_constants : bilin_constants)(*phase.norton, rate, time_step, scene.seed_radius);
         } catch (const InvalidInput& error) {
             throw InvalidInput(fmt::format("scene '{}' line {}: [phase.{}]: {}", scene.path.string(), phase.line,
                                            phase.name, error.what()));
         }
-        period = std::max(shortest_period, std::sqrt(chi * time_step / rate));
-        stiffness = phase.norton->stress(rate) * pascal_per_megapascal * 2 * scene.seed_radius /
-                    law::bilin_master_curve(rate * period * period / time_step);
     } else {
-        stiffness = *phase.repulsive_stiffness;
-        period = *phase.natural_period;
+        constants = {*phase.repulsive_stiffness, *phase.natural_period};
     }
-    if (period < shortest_period * (1 - 1e-9))
+    const auto [stiffness, period] = constants;
+    if (const double least = least_steps_per_period(phase.law); period < least * time_step * (1 - 1e-9))
         throw InvalidInput(
             fmt::format("scene '{}' line {}: the natural period {:g} s of [phase.{}] is shorter than {:g} time steps "
-                        "of {:g} s, which "
-                        "is unstable; take a smaller time_step or strain_per_step",
-                        scene.path.string(), phase.line, period, phase.name, law::least_steps_per_period, time_step));
-    return {phase.label,
-            {2 * scene.seed_radius, 2 * scene.crown_radius, stiffness, stiffness / phase.stiffness_ratio},
-            period,
-            law::mass_for_period(stiffness, period),
-            rate * period * period / time_step};
+                        "of {:g} s, which is unstable; take a smaller time_step or strain_per_step",
+                        scene.path.string(), phase.line, period, phase.name, least, time_step));
+    PhaseModel model{phase.label,
+                     {2 * scene.seed_radius, 2 * scene.crown_radius, stiffness, stiffness / phase.stiffness_ratio},
+                     period,
+                     law::mass_for_period(stiffness, period),
+                     rate * period * period / time_step,
+                     phase.hardening};
+    if (trilin)
+        model.pair.greatest_attraction =
+            phase.greatest_attraction.value_or(law::trilin_attraction * stiffness * scene.seed_radius);
+    return model;
 }
 
 }  // namespace
@@ -66,7 +95,18 @@ Model compile_model(const Scene& scene, const Packing& sample) {
     model.crown_radius = scene.crown_radius;
     double time_step = scene.strain_per_step / scene.highest_rate();
     for (const Phase& phase : scene.phases)
-        if (phase.natural_period) time_step = std::min(time_step, *phase.natural_period / law::least_steps_per_period);
+        if (phase.natural_period)
+            time_step = std::min(time_step, *phase.natural_period / least_steps_per_period(phase.law));
+    model.trilin = scene.law() == Law::trilin;
+    model.radius_dispersion = scene.radius_dispersion;
+    model.self_contact = scene.self_contact;
+    model.healing_time = scene.healing_time;
+    model.between_objects = scene.between_objects;
+    if (model.between_objects && sample.object.empty())
+        throw InvalidInput(
+            fmt::format("scene '{}': between_objects = true in [contact] but the sample does not tell "
+                        "objects apart; make it with vol2pack --objects LABEL",
+                        scene.path.string()));
     model.time_step = scene.time_step.value_or(time_step);
     for (std::int32_t label : present)
         model.phases.push_back(compile_phase(scene, scene.phase(label), model.time_step));

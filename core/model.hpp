@@ -1,8 +1,10 @@
 #pragma once
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <vector>
 
-#include "core/law/bilin.hpp"
+#include "core/law/pair.hpp"
 #include "core/packing.hpp"
 #include "core/scene.hpp"
 
@@ -11,10 +13,11 @@ namespace tomodem {
 /// Constants of one phase in the solver's lengths (those of the scene, where the seed radius is scene.seed_radius).
 struct PhaseModel {
     std::int32_t label;
-    law::Bilin pair;        ///< between two particles of this phase
+    law::Pair pair;         ///< between two particles of this phase
     double natural_period;  ///< t0 [s]
     double mass;            ///< k_rep t0^2 / (4 pi^2) [g]
     double chi;             ///< rate t0^2 / time_step at the highest rate [-]
+    std::optional<Hardening> hardening = {};
 };
 
 /// A scene compiled for a sample: everything the solver needs besides the positions.
@@ -23,15 +26,21 @@ struct Model {
     double crown_radius;             ///< mm
     double time_step;                ///< s
     std::vector<PhaseModel> phases;  ///< those that the sample contains, in the order of their labels
+    bool trilin = false;             ///< bounded attraction
+    double radius_dispersion = 0;    ///< standard deviation over the mean
+    bool between_objects = false;    ///< attraction only within an object
+    bool self_contact = false;
+    double healing_time = std::numeric_limits<double>::infinity();  ///< s
 };
 
 /// Chooses the time step and the constants of every phase that occurs in the sample.
 ///
-/// A phase given by norton gets, at the scene's highest rate, the flow stress K rate^M and the chi of that M; on the
-/// rate-insensitive plateau the natural period is the shortest stable one.
+/// A BILIN phase given by norton gets, at the scene's highest rate, the flow stress K rate^M and the chi of that M; on
+/// the rate-insensitive plateau the natural period is the shortest stable one. A TRILIN phase gets the calibrated
+/// constants of that law, at ten steps a natural period.
 ///
 /// @throws InvalidInput: a label that the scene does not name, a phase without particles, M out of reach, a time step
-///         above 1/20 of a natural period (unstable), objects asked for that the sample does not tell apart
+///         too long for a natural period (unstable), objects asked for that the sample does not tell apart
 Model compile_model(const Scene& scene, const Packing& sample);
 
 }  // namespace tomodem

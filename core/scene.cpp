@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <toml++/toml.h>
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -10,10 +11,14 @@
 #include <sstream>
 
 #include "core/error.hpp"
+#include "core/law/trilin_flow.hpp"
 #include "core/units.hpp"
 
 namespace tomodem {
 namespace {
+
+/// Radii of a normal distribution, cut at three standard deviations: beyond this the smallest would vanish.
+constexpr double greatest_dispersion = 0.3;
 
 /// Reads one table, remembers which keys were asked for, and refuses the others.
 class TableReader {
@@ -121,19 +126,66 @@ Norton read_norton(TableReader reader) {
     return norton;
 }
 
+Hardening read_hardening(TableReader reader) {
+    Hardening hardening;
+    const auto fail_table = [&](const toml::node& node) {
+        reader.fail(node,
+                    "table of hardening must be a list of [time, factor] such as [[0, 1], [600, 1.2]], times rising, "
+                    "factors above 0");
+    };
+    if (const toml::node* table = reader.find("table")) {
+        if (!table->is_array() || table->as_array()->empty()) fail_table(*table);
+        for (const toml::node& row : *table->as_array()) {
+            const toml::array* const pair = row.as_array();
+            if (pair == nullptr || pair->size() != 2) fail_table(row);
+            const double time = reader.number(*pair->get(0), "time"), factor = reader.number(*pair->get(1), "factor");
+            const bool rising = hardening.table.empty() || time > hardening.table.back()[0];
+            if (!rising || !(factor > 0) || !std::isfinite(factor)) fail_table(row);
+            hardening.table.push_back({time, factor});
+        }
+    } else {
+        const auto constant = [&](const char* key, double& value) { value = reader.number(reader.get(key), key); };
+        constant("amplitude", hardening.amplitude);
+        constant("rate", hardening.rate);
+        constant("exponent", hardening.exponent);
+        constant("base", hardening.base);
+        if (const toml::node* offset = reader.find("offset"))
+            hardening.offset = reader.number(*offset, "offset", units::time);
+        if (!(hardening.factor(0) > 0))
+            reader.fail(reader.line(), "the factor of hardening is not above 0 at the start");
+    }
+    reader.refuse_unknown();
+    return hardening;
+}
+
+Law read_law(TableReader& reader) {
+    const toml::node& law = reader.get("law");
+    const std::string name = *reader.text("law");
+    if (name != "bilin" && name != "trilin") reader.fail(law, "law must be \"bilin\" or \"trilin\"");
+    return name == "bilin" ? Law::bilin : Law::trilin;
+}
+
 Phase read_phase(const std::string& name, TableReader reader) {
     Phase phase;
     phase.name = name;
     phase.line = reader.line();
     reader.get("label");
     phase.label = static_cast<std::int32_t>(*reader.integer("label", 1));
-    const toml::node& law = reader.get("law");
-    if (reader.text("law") != "bilin") reader.fail(law, "law must be \"bilin\"");
+    phase.law = read_law(reader);
     if (auto norton = reader.table("norton", fmt::format("norton of [phase.{}]", name)))
         phase.norton = read_norton(*norton);
     phase.repulsive_stiffness = reader.positive("repulsive_stiffness", units::stiffness);
     phase.natural_period = reader.positive("natural_period", units::time);
-    phase.stiffness_ratio = reader.positive("stiffness_ratio").value_or(phase.stiffness_ratio);
+    const double usual_ratio = phase.law == Law::bilin ? phase.stiffness_ratio : law::trilin_stiffness_ratio;
+    phase.stiffness_ratio = reader.positive("stiffness_ratio").value_or(usual_ratio);
+    phase.greatest_attraction = reader.positive("greatest_attraction", units::force);
+    if (phase.greatest_attraction && phase.law == Law::bilin)
+        reader.fail(*reader.find("greatest_attraction"), "greatest_attraction belongs to law \"trilin\"");
+    if (phase.greatest_attraction && phase.norton)
+        reader.fail(*reader.find("greatest_attraction"),
+                    "greatest_attraction follows from norton: remove one of the two");
+    if (auto hardening = reader.table("hardening", fmt::format("hardening of [phase.{}]", name)))
+        phase.hardening = read_hardening(*hardening);
     phase.objects = reader.boolean("objects").value_or(false);
     reader.refuse_unknown();
     const bool given = phase.repulsive_stiffness.has_value() && phase.natural_period.has_value();
@@ -201,6 +253,19 @@ void read_output(TableReader reader, Scene& scene) {
     reader.refuse_unknown();
 }
 
+void read_contact(TableReader reader, Scene& scene) {
+    scene.self_contact = reader.boolean("self_contact").value_or(false);
+    scene.between_objects = reader.boolean("between_objects").value_or(false);
+    if (const toml::node* node = reader.find("healing_time")) {
+        scene.healing_time = reader.number(*node, "healing_time", units::time);
+        if (!(scene.healing_time > 0))
+            reader.fail(*node, fmt::format("healing_time is {:g}: expected more than 0", scene.healing_time));
+        if (!scene.self_contact && std::isfinite(scene.healing_time))
+            reader.fail(*node, "healing_time without self_contact = true has no effect: remove it");
+    }
+    reader.refuse_unknown();
+}
+
 void check_loads_against_laws(const Scene& scene, const TableReader& reader) {
     double reached = 0;
     for (const LoadStep& step : scene.steps) {
@@ -219,6 +284,15 @@ void check_loads_against_laws(const Scene& scene, const TableReader& reader) {
 
 double Norton::stress(double rate) const {
     return consistency * std::pow(rate, rate_sensitivity);
+}
+
+double Hardening::factor(double time) const {
+    if (table.empty()) return amplitude * std::exp(rate * (time + offset) + exponent) + base;
+    const auto after = std::find_if(table.begin(), table.end(), [time](const auto& row) { return row[0] > time; });
+    if (after == table.begin()) return table.front()[1];
+    if (after == table.end()) return table.back()[1];
+    const auto& [left, right] = std::pair(*(after - 1), *after);
+    return std::lerp(left[1], right[1], (time - left[0]) / (right[0] - left[0]));
 }
 
 const Phase& Scene::phase(std::int32_t label) const {
@@ -257,9 +331,14 @@ Scene parse_scene(const std::string& text, const std::string& name) {
     TableReader reader(root, "the scene", name);
     scene.seed_radius = reader.positive("seed_radius", units::length).value_or(scene.seed_radius);
     const auto crown = reader.positive("crown_radius", units::length);
-    scene.crown_radius = crown.value_or(1.5 * scene.seed_radius);
-    if (scene.crown_radius <= scene.seed_radius)
+    if (crown && *crown <= scene.seed_radius)
         reader.fail(*reader.find("crown_radius"), "crown_radius must be larger than seed_radius");
+    if (const toml::node* node = reader.find("radius_dispersion")) {
+        scene.radius_dispersion = reader.number(*node, "radius_dispersion");
+        if (!(scene.radius_dispersion >= 0 && scene.radius_dispersion <= greatest_dispersion))
+            reader.fail(*node, fmt::format("radius_dispersion is {:g}: expected 0 to {:g}", scene.radius_dispersion,
+                                           greatest_dispersion));
+    }
 
     const toml::node& phases = reader.get("phase");
     if (!phases.is_table() || phases.as_table()->empty())
@@ -272,18 +351,17 @@ Scene parse_scene(const std::string& text, const std::string& name) {
         if (!labels.insert(phase.label).second)
             reader.fail(phase.line, fmt::format("label {} of [phase.{}] belongs to another phase already", phase.label,
                                                 phase_name));
+        if (!scene.phases.empty() && phase.law != scene.law())
+            reader.fail(phase.line,
+                        fmt::format("[phase.{}] has another law than [phase.{}]: all phases of a sample have one law",
+                                    phase.name, scene.phases.front().name));
         scene.phases.push_back(phase);
     }
+    const double crown_over_seed = scene.law() == Law::bilin ? 1.5 : law::trilin_crown_over_seed;
+    scene.crown_radius = crown.value_or(crown_over_seed * scene.seed_radius);
+    scene.strain_per_step = scene.law() == Law::bilin ? 5e-6 : 1e-4;
 
-    if (auto contact = reader.table("contact", "[contact]")) {
-        scene.self_contact = contact->boolean("self_contact").value_or(false);
-        if (scene.self_contact)
-            contact->fail(*contact->find("self_contact"),
-                          "law \"bilin\" has no self-contact; set self_contact = false");
-        if (const toml::node* node = contact->find("healing_time"))
-            scene.healing_time = contact->number(*node, "healing_time", units::time);
-        contact->refuse_unknown();
-    }
+    if (auto contact = reader.table("contact", "[contact]")) read_contact(*contact, scene);
     reader.get("load");
     read_load(*reader.table("load", "[load]"), name, scene);
     if (auto accuracy = reader.table("accuracy", "[accuracy]")) read_accuracy(*accuracy, scene);

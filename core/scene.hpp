@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -16,7 +17,17 @@ struct Norton {
     double stress(double rate) const;  ///< [MPa] at a strain rate [1/s]
 };
 
-enum class Law { bilin };
+enum class Law { bilin, trilin };
+
+/// Change of a material's strength in time: flow stress over the one at the start of the calibration.
+///
+/// Either a table, linear between its points and constant beyond them, or crystallisation:
+/// amplitude exp(rate (t + offset) + exponent) + base (thesis section 13.1).
+struct Hardening {
+    std::vector<std::array<double, 2>> table;  ///< {time [s], factor}
+    double amplitude = 0, rate = 0, exponent = 0, base = 1, offset = 0;
+    double factor(double time) const;
+};
 
 /// One label of the image and how it deforms: either `norton`, or stiffness and natural period given.
 struct Phase {
@@ -27,8 +38,10 @@ struct Phase {
     std::optional<double> repulsive_stiffness;  ///< k_rep [uN/mm]
     std::optional<double> natural_period;       ///< t0 [s]
     double stiffness_ratio = 10.0;              ///< k_rep / k_att [-]
-    bool objects = false;                       ///< the sample must tell the connected components apart
-    std::int64_t line = 0;                      ///< in the scene file, for errors
+    std::optional<double> greatest_attraction;  ///< f_att [uN] of TRILIN
+    std::optional<Hardening> hardening;
+    bool objects = false;   ///< the sample must tell the connected components apart
+    std::int64_t line = 0;  ///< in the scene file, for errors
 };
 
 /// A stretch of constant true strain rate.
@@ -43,11 +56,13 @@ struct Scene {
     std::string text;
 
     double seed_radius = 0.5;  ///< r_s [mm] that the constants are meant for; a sample of another size is scaled to it
-    double crown_radius = 0.75;  ///< r_c [mm]
-    std::vector<Phase> phases;   ///< at least one
+    double crown_radius = 0.75;    ///< r_c [mm]
+    double radius_dispersion = 0;  ///< standard deviation of the radii over their mean [-]
+    std::vector<Phase> phases;     ///< at least one, all of one law
 
     bool self_contact = false;
     double healing_time = std::numeric_limits<double>::infinity();  ///< s
+    bool between_objects = false;  ///< particles of different objects do not attract each other
 
     int axis = 2;  ///< 0, 1, 2 for x, y, z
     std::vector<LoadStep> steps;
@@ -60,6 +75,7 @@ struct Scene {
     bool write_velocity = false;  ///< of each particle, in every frame
     bool write_stress = false;    ///< of each particle, mean over the averaging window before each frame
 
+    Law law() const { return phases.front().law; }
     const Phase& phase(std::int32_t label) const;  ///< @throws InvalidInput if no phase has it
     double highest_rate() const;
     /// Sum of |change of strain| over the steps.
@@ -67,7 +83,7 @@ struct Scene {
 };
 
 /// @throws InvalidInput with the line: syntax, unknown key, missing key, wrong type or range, a string quantity without
-///         unit, two phases of one label, BILIN under tension
+///         unit, two phases of one label or of two laws, BILIN under tension
 Scene read_scene(const std::filesystem::path& path);
 
 /// As read_scene, for a text in memory; `name` stands for the file in errors.

@@ -23,6 +23,7 @@ constexpr Unit lengths[] = {{"nm", 1, 1e6}, {"um", 1, 1e3}, {"µm", 1, 1e3}, {"�
                             {"mm", 1, 1},   {"cm", 10, 1},  {"m", 1e3, 1}};
 constexpr Unit times[] = {{"ms", 1, 1e3}, {"s", 1, 1}, {"min", 60, 1}, {"h", 3600, 1}};
 constexpr Unit rates[] = {{"1/s", 1, 1}, {"s^-1", 1, 1}};
+constexpr Unit forces[] = {{"uN", 1, 1}, {"µN", 1, 1}, {"μN", 1, 1}, {"mN", 1e3, 1}, {"N", 1e6, 1}};
 constexpr Unit stiffnesses[] = {{"uN/mm", 1, 1}, {"µN/mm", 1, 1}, {"μN/mm", 1, 1}, {"N/mm", 1e6, 1}, {"N/m", 1e3, 1}};
 constexpr Unit stresses[] = {{"Pa", 1, 1}, {"kPa", 1e3, 1}, {"MPa", 1e6, 1}, {"GPa", 1e9, 1}};
 constexpr Unit masses[] = {{"mg", 1, 1e3}, {"g", 1, 1}, {"kg", 1e3, 1}};
@@ -40,10 +41,11 @@ constexpr Measure length_measure{"length", lengths, {"um", 1, 1e3}, {"mm", 1, 1}
 constexpr Measure time_measure{"time", times, {"ms", 1, 1e3}, {"s", 1, 1}, ""};
 constexpr Measure rate_measure{"rate", rates, {"s^-1", 1, 1}, {"1/s", 1, 1}, " "};
 constexpr Measure stiffness_measure{"stiffness", stiffnesses, {"N/m", 1e3, 1}, {"uN/mm", 1, 1}, ""};
+constexpr Measure force_measure{"force", forces, {"mN", 1e3, 1}, {"uN", 1, 1}, ""};
 constexpr Measure stress_measure{"stress", stresses, {"MPa", 1e6, 1}, {"Pa", 1, 1}, ""};
 constexpr Measure mass_measure{"mass", masses, {"mg", 1, 1e3}, {"g", 1, 1}, ""};
-constexpr Measure measures[] = {length_measure,    time_measure,   rate_measure,
-                                stiffness_measure, stress_measure, mass_measure};
+constexpr Measure measures[] = {length_measure, time_measure,   rate_measure, stiffness_measure,
+                                force_measure,  stress_measure, mass_measure};
 
 std::string_view trimmed(std::string_view text) {
     constexpr std::string_view blank = " \t\r\n";
@@ -105,6 +107,9 @@ double rate(std::string_view text) {
 }
 double stiffness(std::string_view text) {
     return read(text, stiffness_measure);
+}
+double force(std::string_view text) {
+    return read(text, force_measure);
 }
 double stress(std::string_view text) {
     return read(text, stress_measure);

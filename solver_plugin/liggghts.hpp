@@ -19,6 +19,7 @@
 #include "irregular.h"
 #include "modify.h"
 #include "neigh_list.h"
+#include "neigh_request.h"
 #include "neighbor.h"
 #include "update.h"
 // contact models need all of the above

@@ -2,18 +2,12 @@
 
 #include <cmath>
 
-#include "core/law/bilin.hpp"
-
 namespace tomodem::plugin {
 
 using namespace LAMMPS_NS;
 
 int FixPlanes::setmask() {
     return FixConst::POST_FORCE;
-}
-
-void FixPlanes::init() {
-    properties_.connect(force->registry, "fix tomodem/planes");
 }
 
 double FixPlanes::strain_at(bigint step) const {
@@ -47,10 +41,10 @@ double FixPlanes::press(const std::vector<int>& candidates, double plane, double
     for (int i : candidates) {
         const double distance = inward * (atom->x[i][2] - plane);
         if (distance >= atom->radius[i]) continue;
-        const int type = atom->type[i];
-        const law::Bilin law{atom->radius[i] * properties_.seed_to_crown, atom->radius[i],
-                             properties_.repulsive_stiffness[type][type], properties_.attractive_stiffness[type][type]};
-        const double normal_force = law::bilin_force(law, distance, inward * (atom->v[i][2] - velocity));
+        law::Wall law = laws_[atom->type[i]];
+        law.seed_distance *= atom->radius[i] / law.crown_distance;
+        law.crown_distance = atom->radius[i];
+        const double normal_force = law::wall_force(law, distance, inward * (atom->v[i][2] - velocity));
         atom->f[i][2] += inward * normal_force;
         total += normal_force;
         if (tally_step_ == update->ntimestep) tally_[static_cast<std::size_t>(i)] -= normal_force * distance;

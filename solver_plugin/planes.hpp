@@ -1,9 +1,8 @@
 #pragma once
 #include <vector>
 
+#include "core/law/pair.hpp"
 #include "solver_plugin/liggghts.hpp"
-// behind the headers of LIGGGHTS
-#include "solver_plugin/bilin_properties.hpp"
 
 namespace tomodem::plugin {
 
@@ -29,6 +28,8 @@ class FixPlanes : public LAMMPS_NS::Fix {
 
     FixPlanes(LAMMPS_NS::LAMMPS* lmp, int count, char** words) : Fix(lmp, count, words) {}
 
+    /// @param laws  by type, from 1, of a particle of the type's nominal radius
+    void use(std::vector<law::Wall> laws) { laws_ = std::move(laws); }
     void move(const Motion& motion) { motion_ = motion; }
     const Motion& motion() const { return motion_; }
     double strain_at(LAMMPS_NS::bigint step) const;
@@ -43,7 +44,6 @@ class FixPlanes : public LAMMPS_NS::Fix {
     double tallied(int i) const { return tally_[static_cast<std::size_t>(i)]; }
 
     int setmask() override;
-    void init() override;
     void setup(int flag) override { post_force(flag); }
     void post_force(int) override;
 
@@ -53,7 +53,7 @@ class FixPlanes : public LAMMPS_NS::Fix {
 
     Motion motion_;
     Forces forces_;
-    BilinProperties properties_;
+    std::vector<law::Wall> laws_;
     std::vector<int> near_low_, near_high_;
     LAMMPS_NS::bigint tally_step_ = -1;
     std::vector<double> tally_;

@@ -1,6 +1,9 @@
 #include "solver_plugin/registration.hpp"
 
-#include "solver_plugin/bilin_pair.hpp"
+#include "solver_plugin/crown_pair.hpp"
+#include "solver_plugin/fix_contact.hpp"
+#include "solver_plugin/fix_integrate.hpp"
+#include "solver_plugin/fix_watch.hpp"
 #include "solver_plugin/planes.hpp"
 
 namespace tomodem::plugin {
@@ -10,16 +13,25 @@ using namespace LAMMPS_NS;
 using namespace LIGGGHTS;
 
 using BilinStyle = ContactModels::GranStyle<ContactModels::TOMODEM_BILIN, 0, 0, 0, 0>;
-using BilinWall = Walls::Granular<ContactModels::ContactModel<BilinStyle>>;
+using TrilinStyle = ContactModels::GranStyle<ContactModels::TOMODEM_TRILIN, 0, 0, 0, 0>;
 
-PairStyles::IGranularPairStyle* make_pair(LAMMPS* lmp, PairGran*, int64_t) {
-    return new BilinPair(lmp);
+template <bool trilin>
+PairStyles::IGranularPairStyle* make_pair(LAMMPS* lmp, PairGran* owner, int64_t) {
+    return new CrownPair(lmp, owner, trilin);
 }
+template <class Style>
 Walls::IGranularWall* make_wall(LAMMPS* lmp, FixWallGran* fix, int64_t hash) {
-    return new BilinWall(lmp, fix, hash);
+    return new Walls::Granular<ContactModels::ContactModel<Style>>(lmp, fix, hash);
 }
-Fix* make_planes(LAMMPS* lmp, int count, char** words) {
-    return new FixPlanes(lmp, count, words);
+template <class Style, bool trilin>
+void add_law(const char* name, int model) {
+    ContactModels::Factory::instance().addNormalModel(name, model);
+    PairStyles::Factory::instance().addStyle("gran", Style::HASHCODE, &make_pair<trilin>);
+    Walls::Factory::instance().addStyle("gran", Style::HASHCODE, &make_wall<Style>);
+}
+template <class Style>
+Fix* make_fix(LAMMPS* lmp, int count, char** words) {
+    return new Style(lmp, count, words);
 }
 
 // Modify::fix_map is private in the packaged headers and there is no call that adds a style. An explicit instantiation
@@ -36,21 +48,24 @@ template struct Expose<FixMap, &Modify::fix_map>;
 
 }  // namespace
 
-int64_t bilin_hashcode() {
-    return BilinStyle::HASHCODE;
+int64_t law_hashcode(bool trilin) {
+    return trilin ? TrilinStyle::HASHCODE : BilinStyle::HASHCODE;
 }
 
 void register_laws() {
     static bool done = false;
     if (done) return;
     done = true;
-    ContactModels::Factory::instance().addNormalModel("bilin", ContactModels::TOMODEM_BILIN);
-    PairStyles::Factory::instance().addStyle("gran", BilinStyle::HASHCODE, &make_pair);
-    Walls::Factory::instance().addStyle("gran", BilinStyle::HASHCODE, &make_wall);
+    add_law<BilinStyle, false>("bilin", ContactModels::TOMODEM_BILIN);
+    add_law<TrilinStyle, true>("trilin", ContactModels::TOMODEM_TRILIN);
 }
 
 void register_fixes(LAMMPS& lmp) {
-    (*(lmp.modify->*member(FixMap())))["tomodem/planes"] = &make_planes;
+    auto& styles = *(lmp.modify->*member(FixMap()));
+    styles["tomodem/planes"] = &make_fix<FixPlanes>;
+    styles["tomodem/integrate"] = &make_fix<FixIntegrate>;
+    styles["tomodem/contact"] = &make_fix<FixContact>;
+    styles["tomodem/watch"] = &make_fix<FixWatch>;
 }
 
 }  // namespace tomodem::plugin

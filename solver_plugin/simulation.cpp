@@ -3,20 +3,37 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "core/error.hpp"
 #include "core/law/bilin_flow.hpp"
-#include "solver_plugin/bilin_pair.hpp"
+#include "solver_plugin/crown_pair.hpp"
+#include "solver_plugin/fix_contact.hpp"
+#include "solver_plugin/fix_watch.hpp"
 #include "solver_plugin/planes.hpp"
 #include "solver_plugin/session.hpp"
 
 namespace tomodem::plugin {
 namespace {
 
-/// Neighbour skin over the seed radius: BILIN's packings are cold, and the vector kernel prunes the list anyway.
-constexpr double skin_over_seed = 0.6;
+/// Neighbour skin over the seed radius. BILIN's packings are cold, TRILIN's hot; the vector kernel prunes the list
+/// anyway.
+double skin_over_seed(const Model& model) {
+    return model.trilin ? 1.6 : 0.6;
+}
+
+/// Radius over the mean of particle `id`: a normal distribution cut at three standard deviations, the same everywhere.
+double radius_factor(std::int64_t id, double dispersion) {
+    if (dispersion == 0) return 1;
+    std::mt19937_64 random(static_cast<std::uint64_t>(id) * 0x9E3779B97F4A7C15ULL);
+    std::normal_distribution<double> normal;
+    double deviate = normal(random);
+    while (std::abs(deviate) > 3) deviate = normal(random);
+    return 1 + dispersion * deviate;
+}
 
 /// Drag during relaxation over the critical one. Without it the chatter of the attraction keeps the sample warm, and
 /// its surface tension closes pores: a foam's struts then move by 20 seed radii instead of 2.
@@ -34,9 +51,17 @@ struct Simulation::State {
     std::int64_t count = 0;
     Session session;
     FixPlanes* planes = nullptr;
-    bool ready = false;              ///< LIGGGHTS is set up for the present masses and planes
-    double sample_volume = 0;        ///< of the sample's box, in its own lengths
-    std::int64_t builds_before = 0;  ///< neighbour builds before the last set-up
+    CrownPair* pair = nullptr;
+    FixWatch* watch = nullptr;
+    FixContact* contact = nullptr;
+    std::vector<std::int32_t> object;  ///< by id - 1, where the law looks at it
+    std::vector<double> hardening;     ///< factor of each phase at present
+    bool relaxing = false;
+    std::int64_t loading_start = 0;      ///< step
+    bool ready = false;                  ///< LIGGGHTS is set up for the present masses and planes
+    double sample_volume = 0;            ///< of the sample's box, in its own lengths
+    std::int64_t builds_before = 0;      ///< neighbour builds before the last set-up
+    std::vector<double> radius_factors;  ///< by row; empty: all 1
 
     State(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
         : communicator(communicator), model(model), axis(axis), session(communicator) {
@@ -44,6 +69,12 @@ struct Simulation::State {
         scale = model.seed_radius / sample.seed_radius;
         count = static_cast<std::int64_t>(sample.size());
         sample_volume = sample.box.volume();
+        if (model.between_objects) object = sample.object;
+        for (const PhaseModel& phase : model.phases)
+            hardening.push_back(phase.hardening ? phase.hardening->factor(0) : 1.0);
+        if (model.radius_dispersion > 0)
+            for (const std::int64_t id : sample.id)
+                radius_factors.push_back(radius_factor(id, model.radius_dispersion));
     }
 
     LAMMPS_NS::Atom& atom() { return *session.lmp().atom; }
@@ -87,13 +118,47 @@ struct Simulation::State {
         planes = static_cast<FixPlanes*>(session.lmp().modify->find_fix_id("planes"));
     }
 
-    /// One matrix of a pair constant, as `fix property/global` takes it.
-    template <class Constant>
-    std::string pair_matrix(Constant constant) const {
-        std::string words = std::to_string(model.phases.size());
-        for (const PhaseModel& a : model.phases)
-            for (const PhaseModel& b : model.phases) words += fmt::format(" {:.17g}", constant(mixed(a.pair, b.pair)));
-        return words;
+    /// Laws of all pairs of types with the present strength of each phase.
+    void use_laws() {
+        PairLaws laws;
+        laws.type_count = static_cast<int>(model.phases.size());
+        laws.dispersed = model.radius_dispersion > 0;
+        laws.seed_to_crown = model.seed_radius / model.crown_radius;
+        std::vector<law::Pair> own;
+        for (std::size_t k = 0; k < model.phases.size(); ++k)
+            own.push_back(law::scaled(model.phases[k].pair, hardening[k]));
+        for (const law::Pair& a : own)
+            for (const law::Pair& b : own) laws.of_types.push_back(law::mixed(a, b));
+        pair->use(laws);
+        if (planes == nullptr) return;
+        std::vector<law::Wall> walls(1);  // types count from 1
+        for (const law::Pair& law : own) walls.push_back(law::against_wall(law));
+        planes->use(std::move(walls));
+    }
+
+    /// A phase that hardens keeps its natural period: stiffness and mass grow together, so that no trajectory changes.
+    void harden(double time) {
+        bool changed = false;
+        for (std::size_t k = 0; k < model.phases.size(); ++k) {
+            if (!model.phases[k].hardening) continue;
+            const double factor = model.phases[k].hardening->factor(time);
+            if (factor == hardening[k]) continue;
+            for (int i = 0; i < atom().nlocal; ++i)
+                if (atom().type[i] == static_cast<int>(k) + 1) {
+                    atom().rmass[i] *= factor / hardening[k];
+                    atom().density[i] *= factor / hardening[k];
+                }
+            hardening[k] = factor;
+            changed = true;
+        }
+        if (changed) use_laws();
+    }
+
+    void remember_contacts() {
+        session.command("fix contact all tomodem/contact");
+        contact = static_cast<FixContact*>(session.lmp().modify->find_fix_id("contact"));
+        contact->memory().set_law({.least_outward = law::SelfContact::outward_over_seed * model.seed_radius});
+        if (std::isfinite(model.healing_time)) contact->heal_after(std::llround(model.healing_time / model.time_step));
     }
 
     void create_particles(const Packing& sample) {
@@ -113,7 +178,7 @@ struct Simulation::State {
         atoms.avec->create_atom(type, point);
         const int i = atoms.nlocal - 1;
         atoms.tag[i] = tag;
-        atoms.radius[i] = model.crown_radius;
+        atoms.radius[i] = model.crown_radius * (radius_factors.empty() ? 1.0 : radius_factors[tag - 1]);
     }
 
     void count_particles() {
@@ -126,13 +191,26 @@ struct Simulation::State {
         atoms.map_set();
     }
 
+    /// The height that `wanted` centres lie beyond: below it for inward = 1, above it for -1.
+    double face(double low, double high, double wanted, double inward) {
+        double outside = inward > 0 ? low : high, inside = inward > 0 ? high : low;
+        while (std::abs(inside - outside) > 1e-9 * model.seed_radius) {
+            const double middle = (inside + outside) / 2;
+            double beyond = 0;
+            for (int i = 0; i < atom().nlocal; ++i) beyond += inward * (atom().x[i][2] - middle) <= 0;
+            (total(beyond) < wanted ? outside : inside) = middle;
+        }
+        return inside;
+    }
+
     template <class PeriodOf>
     void set_masses(PeriodOf period_of) {
         LAMMPS_NS::Atom& atoms = atom();
         const double crown_volume = 4.0 / 3.0 * std::numbers::pi * std::pow(model.crown_radius, 3);
         for (int i = 0; i < atoms.nlocal; ++i) {
             const PhaseModel& phase = model.phases[atoms.type[i] - 1];
-            atoms.rmass[i] = law::mass_for_period(phase.pair.repulsive_stiffness, period_of(phase));
+            const double stiffness = phase.pair.repulsive_stiffness * hardening[atoms.type[i] - 1];
+            atoms.rmass[i] = law::mass_for_period(stiffness, period_of(phase));
             atoms.density[i] = atoms.rmass[i] / crown_volume;
         }
         ready = false;
@@ -240,35 +318,33 @@ Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_
     command("region everywhere block" + corners + " units box");
     command(fmt::format("create_box {} everywhere", model.phases.size()));
     s.create_particles(sample);
+    const double largest_factor = 1 + 3 * model.radius_dispersion;
     // How far the box may shrink: its neighbour bins must hold a crown and a skin even where the sample is flat.
-    const double least = 2 * model.crown_radius + skin_over_seed * model.seed_radius;
+    const double least = 2 * model.crown_radius * largest_factor + skin_over_seed(model) * model.seed_radius;
     LAMMPS_NS::Domain& domain = *s.session.lmp().domain;
     domain.minxlo = domain.minylo = domain.minzlo = -least;
     domain.minxhi = domain.minyhi = domain.minzhi = least;
     s.set_masses([](const PhaseModel& phase) { return phase.natural_period; });
 
-    command(fmt::format("neighbor {:.17g} bin", skin_over_seed * model.seed_radius));
+    command(fmt::format("neighbor {:.17g} bin", skin_over_seed(model) * model.seed_radius));
     command("neigh_modify delay 0 every 1 check yes");
-    const auto global = [&](const std::string& name, const std::string& words) {
-        command(fmt::format("fix {0} all property/global {0} {1}", name, words));
-    };
-    global("repulsiveStiffness",
-           "peratomtypepair " + s.pair_matrix([](const law::Bilin& pair) { return pair.repulsive_stiffness; }));
-    global("attractiveStiffness",
-           "peratomtypepair " + s.pair_matrix([](const law::Bilin& pair) { return pair.attractive_stiffness; }));
-    global("seedToCrown", fmt::format("scalar {:.17g}", model.seed_radius / model.crown_radius));
     // Asked for by LIGGGHTS, read by no law of ours.
     std::string young = "peratomtype", poisson = "peratomtype";
     for (std::size_t k = 0; k < model.phases.size(); ++k) {
         young += " 5e6";
         poisson += " 0.3";
     }
-    global("youngsModulus", young);
-    global("poissonsRatio", poisson);
-    command("pair_style gran model bilin tangential off");
+    command("fix youngsModulus all property/global youngsModulus " + young);
+    command("fix poissonsRatio all property/global poissonsRatio " + poisson);
+    command(fmt::format("pair_style gran model {} tangential off", model.trilin ? "trilin" : "bilin"));
+    s.pair = CrownPair::of(s.session.lmp());
+    s.use_laws();
+    if (!s.object.empty()) s.pair->tell_objects_apart(s.object.data());
     command("pair_coeff * *");
     command(fmt::format("timestep {:.17g}", model.time_step));
-    command("fix integration all nve");
+    command("fix integration all tomodem/integrate");
+    command("fix watch all tomodem/watch");
+    s.watch = static_cast<FixWatch*>(s.session.lmp().modify->find_fix_id("watch"));
     command("thermo_style custom step atoms");
     command("thermo_modify lost ignore norm no");
     command("thermo 0");
@@ -281,17 +357,21 @@ void Simulation::begin_relaxation() {
     const double period = law::least_steps_per_period * s.model.time_step;
     s.set_masses([period](const PhaseModel&) { return period; });
     // Viscous drag of a share of the critical one, 2 sqrt(k_rep m) = k_rep period / pi.
-    const auto drag = [&](const PhaseModel& phase) {
-        return relaxation_damping * phase.pair.repulsive_stiffness * period / std::numbers::pi;
+    const auto drag = [&](std::size_t phase) {
+        const double stiffness = s.model.phases[phase].pair.repulsive_stiffness * s.hardening[phase];
+        return relaxation_damping * stiffness * period / std::numbers::pi;
     };
-    std::string words = fmt::format("fix drag all viscous {:.17g}", drag(s.model.phases.front()));
+    std::string words = fmt::format("fix drag all viscous {:.17g}", drag(0));
     for (std::size_t k = 1; k < s.model.phases.size(); ++k)
-        words += fmt::format(" scale {} {:.17g}", k + 1, drag(s.model.phases[k]) / drag(s.model.phases.front()));
+        words += fmt::format(" scale {} {:.17g}", k + 1, drag(k) / drag(0));
     s.session.command(words);
+    s.relaxing = true;
 }
 
 void Simulation::end_relaxation() {
     state_->session.command("unfix drag");
+    state_->relaxing = false;
+    state_->loading_start = step();
     LAMMPS_NS::Atom& atoms = state_->atom();
     for (int i = 0; i < atoms.nlocal; ++i)
         for (int c = 0; c < 3; ++c) atoms.v[i][c] = 0;
@@ -310,13 +390,22 @@ void Simulation::place_planes() {
     high = s.largest(high);
     if (!(high > low))
         throw InvalidInput("the sample has no height along the loading axis: it needs two layers at least");
+    if (s.model.trilin) {
+        const double layer = std::min(s.model.crown_radius - s.model.seed_radius, high - low);
+        const double in_layer = static_cast<double>(s.count) * layer / (high - low);
+        low = s.face(low, high, in_layer, 1) - layer;
+        high = s.face(low, high, in_layer, -1) + layer;
+    }
+    // Pairs that form before, while the free sample comes to rest, are internal.
+    if (s.model.self_contact && s.contact == nullptr) s.remember_contacts();
     FixPlanes::Motion motion;
     motion.centre = (low + high) / 2;
     motion.initial_height = high - low;
     motion.seed_radius = s.model.seed_radius;
-    motion.first_step = step();
+    motion.first_step = s.loading_start = step();
     s.add_planes();
     s.planes->move(motion);
+    s.use_laws();
     s.ready = false;
 }
 
@@ -328,20 +417,20 @@ void Simulation::set_loading(double strain, double rate) {
     state_->planes->move(motion);
 }
 
-void Simulation::run(std::int64_t steps, const Pace& pace) {
+void Simulation::run(std::int64_t steps, const Watch& watch) {
     State& s = *state_;
     s.set_up_if_needed();
+    if (!s.relaxing) s.harden(static_cast<double>(step() + steps / 2 - s.loading_start) * s.model.time_step);
+    s.watch->call(watch);
     constexpr std::int64_t most = 1'000'000'000;  // LIGGGHTS counts the steps of one run in an int
-    for (std::int64_t left = steps; left > 0;) {
-        const std::int64_t piece = std::min(left, pace ? std::max<std::int64_t>(1, pace()) : most);
-        s.session.command(fmt::format("run {} pre no post no", piece));
-        left -= piece;
-    }
+    for (std::int64_t left = steps; left > 0; left -= most)
+        s.session.command(fmt::format("run {} pre no post no", std::min(left, most)));
+    s.watch->call({});
 }
 
-void Simulation::run_to_stress_sample(std::int64_t steps, const Pace& pace) {
-    sample_stress_at(step() + steps);
-    run(steps, pace);
+void Simulation::run_to_stress_sample(std::int64_t steps, const Watch& watch) {
+    if (state_->planes != nullptr) state_->planes->tally_at(step() + steps);
+    run(steps, watch);
 }
 
 std::int64_t Simulation::step() const {
@@ -370,7 +459,7 @@ Energies Simulation::energies() const {
     for (int i = 0; i < atoms.nlocal; ++i)
         for (int c = 0; c < 3; ++c) kinetic += 0.5 * atoms.rmass[i] * atoms.v[i][c] * atoms.v[i][c];
     const double to_sample = 1 / std::pow(s.scale, 3);
-    return {s.total(kinetic) * to_sample, s.total(seed_energy(&s.session.lmp())) * to_sample};
+    return {s.total(kinetic) * to_sample, s.total(s.pair->seed_energy()) * to_sample};
 }
 
 double Simulation::largest_speed() const {
@@ -420,6 +509,16 @@ void Simulation::save(Checkpoint& checkpoint) const {
     particles.velocity.assign(mine > 0 ? atoms.v[0] : nullptr, mine > 0 ? atoms.v[0] + 3 * mine : nullptr);
     particles.memory_length.assign(mine, 0);
     particles.memory.clear();
+    for (std::size_t i = 0; s.contact != nullptr && i < mine; ++i) {
+        const ContactMemory& memory = s.contact->memory();
+        const std::size_t before = particles.memory.size();
+        for (int c = 0; c < 3; ++c) particles.memory.push_back(std::bit_cast<std::int64_t>(memory.outward()[i][c]));
+        for (const auto& one : memory.interfaces(static_cast<int>(i)))
+            particles.memory.insert(particles.memory.end(), {one.partner, one.since});
+        particles.memory_length[i] = static_cast<std::int32_t>(particles.memory.size() - before);
+    }
+    checkpoint.numbers["solver_loading_start"] = {static_cast<double>(s.loading_start)};
+    checkpoint.numbers["solver_hardening"] = s.hardening;
     checkpoint.numbers["solver_step"] = {static_cast<double>(step())};
     checkpoint.numbers["solver_box"] = {domain.boxlo[0], domain.boxlo[1], domain.boxlo[2],
                                         domain.boxhi[0], domain.boxhi[1], domain.boxhi[2]};
@@ -441,7 +540,24 @@ void Simulation::restore(const FoundCheckpoint& found) {
         std::copy_n(particles.velocity.data() + 3 * k, 3, atoms.v[atoms.nlocal - 1]);
     }
     s.count_particles();
-    s.set_masses([](const PhaseModel& phase) { return phase.natural_period; });
+    s.hardening = found.checkpoint.numbers.at("solver_hardening");
+    s.loading_start = static_cast<std::int64_t>(found.checkpoint.number("solver_loading_start"));
+    rest();
+    if (s.model.self_contact && s.contact == nullptr) s.remember_contacts();
+    if (s.contact != nullptr) {
+        ContactMemory& memory = s.contact->memory();
+        memory.resize(atoms.nlocal, 0);
+        const std::int64_t* word = particles.memory.data();
+        for (int i = 0; i < atoms.nlocal; ++i) {
+            for (int c = 0; c < 3; ++c) memory.outward()[i][c] = std::bit_cast<double>(*word++);
+            auto& interfaces = memory.interfaces(i);
+            interfaces.resize(static_cast<std::size_t>(particles.memory_length[i] - 3) / 2);
+            for (auto& one : interfaces) {
+                one.partner = *word++;
+                one.since = *word++;
+            }
+        }
+    }
     const std::vector<double>& box = found.checkpoint.numbers.at("solver_box");
     std::copy_n(box.data(), 3, domain.boxlo);
     std::copy_n(box.data() + 3, 3, domain.boxhi);
@@ -458,11 +574,13 @@ void Simulation::restore(const FoundCheckpoint& found) {
         motion.first_step = step();
         s.planes->move(motion);
     }
+    s.use_laws();
     s.ready = false;
 }
 
 void Simulation::rest() {
-    state_->ready = false;
+    // Masses that hardened step by step have rounding errors of their own.
+    state_->set_masses([](const PhaseModel& phase) { return phase.natural_period; });
 }
 
 void Simulation::set_step(std::int64_t step) {
@@ -497,37 +615,35 @@ double Simulation::volume_per_particle() const {
     return state_->sample_volume / static_cast<double>(state_->count);
 }
 
-void Simulation::prepare_stress_samples() {
-    // Its part is to ask for the virial of each particle in the steps that are sampled.
-    state_->session.command("compute stress all stress/atom pair");
-    state_->ready = false;
-}
-
-void Simulation::sample_stress_at(std::int64_t step) {
-    State& s = *state_;
-    LAMMPS_NS::Modify& modify = *s.session.lmp().modify;
-    modify.compute[modify.find_compute("stress")]->addstep(step);
-    if (s.planes != nullptr) s.planes->tally_at(step);
-}
-
 RowBlock Simulation::stress_rows() const {
     State& s = *state_;
     const LAMMPS_NS::Atom& atoms = s.atom();
-    const LAMMPS_NS::Pair& pair = *s.session.lmp().force->pair;
-    if (pair.vatom == nullptr && atoms.nlocal > 0) throw std::logic_error("no stress was sampled");
-    // The virial sums f_a d_b with d from the neighbour: the lever from the centre to the contact is -d/2.
-    const double over_volume = 1 / (volume_per_particle() * std::pow(s.scale, 3));
-    constexpr int first[] = {0, 1, 2, 0, 0, 1}, second[] = {0, 1, 2, 1, 2, 2};
-    std::vector<double> values(6 * static_cast<std::size_t>(atoms.nlocal));
-    for (int i = 0; i < atoms.nlocal; ++i) {
-        double solver[3][3], turned[3][3];
-        for (int k = 0; k < 6; ++k) {
-            const double virial = -pair.vatom[i][k] + (k == 2 && s.planes != nullptr ? s.planes->tallied(i) : 0.0);
-            solver[first[k]][second[k]] = solver[second[k]][first[k]] = virial * over_volume;
+    const auto mine = static_cast<std::size_t>(atoms.nlocal), all = mine + static_cast<std::size_t>(atoms.nghost);
+    // The laws saw half-step velocities: ghosts still have them, the particles of this process got half a kick since.
+    std::vector<double> velocity(3 * all);
+    for (std::size_t i = 0; i < all; ++i)
+        for (int c = 0; c < 3; ++c) {
+            const double kick = i < mine ? 0.5 * s.model.time_step / atoms.rmass[i] * atoms.f[i][c] : 0.0;
+            velocity[3 * i + c] = atoms.v[i][c] - kick;
         }
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b) turned[s.turned(a)][s.turned(b)] = solver[a][b];
-        for (int k = 0; k < 6; ++k) values[6 * static_cast<std::size_t>(i) + k] = turned[first[k]][second[k]];
+    constexpr int first[] = {0, 1, 2, 0, 0, 1}, second[] = {0, 1, 2, 1, 2, 2};
+    const double over_volume = 1 / (volume_per_particle() * std::pow(s.scale, 3));
+    std::vector<double> values(6 * mine);
+    s.pair->tell_forces(velocity.data(), [&](int i, int j, const double* force, const double* apart) {
+        for (int k = 0; k < 6; ++k) {
+            // From the centre to the contact it is half the way to the neighbour.
+            const double part = -0.5 * force[first[k]] * apart[second[k]] * over_volume;
+            values[6 * static_cast<std::size_t>(i) + k] += part;
+            if (j < atoms.nlocal) values[6 * static_cast<std::size_t>(j) + k] += part;
+        }
+    });
+    for (std::size_t i = 0; i < mine; ++i) {
+        if (s.planes != nullptr) values[6 * i + 2] += s.planes->tallied(static_cast<int>(i)) * over_volume;
+        double turned[3][3];
+        for (int k = 0; k < 6; ++k)
+            turned[s.turned(first[k])][s.turned(second[k])] = turned[s.turned(second[k])][s.turned(first[k])] =
+                values[6 * i + k];
+        for (int k = 0; k < 6; ++k) values[6 * i + k] = turned[first[k]][second[k]];
     }
     return s.rows(6, values);
 }

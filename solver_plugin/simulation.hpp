@@ -41,19 +41,20 @@ class Simulation {
     /// Ends it: true masses, velocities zero.
     void end_relaxation();
 
-    /// Puts the planes one seed radius outside the outermost particles; their distance less two seeds is H0.
+    /// Puts the planes one seed radius outside the sample's faces; their distance less two seeds is H0.
+    ///
+    /// A face is at the outermost centre. Planes that pull (TRILIN's) must find more to hold: there a face is where the
+    /// layer in their reach, r_c - r_s thick, has as many centres as the sample has on average.
     void place_planes();
     /// Constant true strain rate (signed) from `strain` on, from the next step.
     void set_loading(double strain, double rate);
 
-    /// Called between the pieces that a run is made in: returns how many steps the next may have, or throws. The pieces
-    /// change nothing in the result.
-    using Pace = std::function<std::int64_t()>;
-    void run(std::int64_t steps, const Pace& pace = {});
-    /// Once, before the first run, where stresses will be sampled.
-    void prepare_stress_samples();
-    /// As run(), with the stress of every particle taken in the last step, as the laws see it there.
-    void run_to_stress_sample(std::int64_t steps, const Pace& pace = {});
+    /// Called between steps: returns after how many it wants to be called again, or throws, which ends the run in
+    /// disorder: the simulation is not to be used any more.
+    using Watch = std::function<std::int64_t()>;
+    void run(std::int64_t steps, const Watch& watch = {});
+    /// As run(), with the stress of every particle in the last step ready for stress_rows().
+    void run_to_stress_sample(std::int64_t steps, const Watch& watch = {});
     std::int64_t step() const;
     double strain() const;
     PlaneForces take_forces();
@@ -82,7 +83,8 @@ class Simulation {
     /// sample's axes.
     RowBlock position_rows() const;  ///< mm
     RowBlock velocity_rows() const;  ///< mm/s
-    /// Stress at the last sample: xx yy zz xy xz yz [Pa], tension positive; its volume is volume_per_particle().
+    /// Stress at the last step, which must be a sample: xx yy zz xy xz yz [Pa], tension positive, as the laws saw it
+    /// there. The volume is volume_per_particle().
     /// sigma_ab = 1/V sum f_a l_b over the contacts of a particle, planes included (thesis eq. 8.12).
     RowBlock stress_rows() const;
     /// Volume of the sample's box over the number of its particles [mm^3].
@@ -96,7 +98,6 @@ class Simulation {
     std::vector<Vec3> forces_at(const std::vector<Vec3>& velocities);
 
  private:
-    void sample_stress_at(std::int64_t step);
     struct State;
     std::unique_ptr<State> state_;
 };

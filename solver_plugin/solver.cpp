@@ -34,6 +34,8 @@ constexpr double runaway_energy = 0.05;
 constexpr double collapse_energy = 0.2;
 
 constexpr int points_per_window = 10;
+/// Natural periods of rest between planes that pull, for the faces to lie against them.
+constexpr double seating_periods = 20;
 
 /// Of stress, in a point of the curves: 20 in a window.
 constexpr int samples_per_point = 2;
@@ -103,7 +105,7 @@ struct Stopped {
     int signal;
 };
 
-/// Cuts the run into pieces and looks for signals between them. What one process sees, all see.
+/// Looks for signals between steps. What one process sees, all see.
 class Watch {
  public:
     explicit Watch(MPI_Comm communicator) : communicator_(communicator) {}
@@ -131,7 +133,7 @@ class Watch {
     std::int64_t step_ = 0, piece_ = 16;
 };
 
-Simulation::Pace pace(Watch& watch, const Simulation& simulation) {
+Simulation::Watch watching(Watch& watch, const Simulation& simulation) {
     return [&watch, &simulation] { return watch.next_piece(simulation.step()); };
 }
 
@@ -173,13 +175,13 @@ void refuse_collapse(const Simulation& simulation, double elastic_energy, const 
 }
 
 void relax_inside(Simulation& simulation, const Model& model, const Packing& sample, double periods,
-                  const Simulation::Pace& pace = {}) {
+                  const Simulation::Watch& watch = {}) {
     const auto steps = static_cast<std::int64_t>(std::ceil(periods * law::least_steps_per_period));
     constexpr std::int64_t chunk = 50;
     cli::Progress progress("relaxing", static_cast<double>(steps));
     simulation.begin_relaxation();
     for (std::int64_t done = 0; done < steps; done += chunk) {
-        simulation.run(std::min(chunk, steps - done), pace);
+        simulation.run(std::min(chunk, steps - done), watch);
         refuse_runaway(simulation, simulation.energies().kinetic, model, sample, "during relaxation");
         progress.update(static_cast<double>(done + chunk));
     }
@@ -416,7 +418,6 @@ class Pressing {
         if (scene.write_stress) {
             fields_.push_back(stress_field);
             fields_.back().attributes = {{"volume", simulation_->volume_per_particle()}};
-            simulation_->prepare_stress_samples();
         }
         std::error_code ignored;
         const bool go_on = control.resume && std::filesystem::exists(checkpoint_file_, ignored);
@@ -474,18 +475,24 @@ class Pressing {
                                       checkpoint_file_.string()));
             output_.emplace(run_file_, partial_);
         });
-        if (!sample_.relaxed) {
-            cli::note("the sample is not relaxed yet: relaxing it first");
-            try {
-                relax_inside(simulation(), model_, sample_, default_relaxation_periods, pace(watch_, simulation()));
-            } catch (const Stopped& stop) {
-                throw InvalidInput(fmt::format("stopped by {} while the sample was relaxed: nothing is kept",
-                                               StopSignals::name(stop.signal)));
+        try {
+            const auto watch = watching(watch_, simulation());
+            if (!sample_.relaxed) {
+                cli::note("the sample is not relaxed yet: relaxing it first");
+                relax_inside(simulation(), model_, sample_, default_relaxation_periods, watch);
+                simulation().end_relaxation();
             }
-            simulation().end_relaxation();
+            simulation().place_planes();
+            if (model_.trilin) {
+                relax_inside(simulation(), model_, sample_, seating_periods, watch);
+                simulation().end_relaxation();
+            }
+        } catch (const Stopped& stop) {
+            throw InvalidInput(fmt::format("stopped by {} while the sample was relaxed: nothing is kept",
+                                           StopSignals::name(stop.signal)));
         }
-        simulation().place_planes();
         start_ = simulation().step();
+        simulation().take_forces();  // those of rest do not count
 
         Packing pressed = sample_;
         pressed.box.periodic = {false, false, false};
@@ -558,7 +565,7 @@ class Pressing {
     /// Runs to a point, and does what is due there.
     void reach(const PlannedPoint& point) {
         if (point.from == 0) enter(point.segment);
-        const auto pieces = pace(watch_, simulation());
+        const auto pieces = watching(watch_, simulation());
         const std::int64_t steps = point.to - point.from;
         if (point.sampled) {
             std::int64_t done = 0;

@@ -3,7 +3,9 @@
 #include <immintrin.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 // Compiled for AVX2 whatever the build's target; run only where VectorPairs::supported() says so.
 #define TOMODEM_AVX2 __attribute__((target("avx2,fma")))
@@ -14,11 +16,21 @@ namespace {
 /// Blocks between a prefetch and its use: about one memory latency.
 constexpr std::size_t prefetch_distance = 24;
 
+constexpr int lanes = 4;
+constexpr unsigned all_lanes = 0b1111;
+
 /// {sum(a), sum(b), sum(c), sum(d)}
 TOMODEM_AVX2 inline __m256d sums(__m256d a, __m256d b, __m256d c, __m256d d) {
     const __m256d ab = _mm256_hadd_pd(a, b);
     const __m256d cd = _mm256_hadd_pd(c, d);
     return _mm256_add_pd(_mm256_permute2f128_pd(ab, cd, 0x21), _mm256_blend_pd(ab, cd, 0b1100));
+}
+
+/// One bit a lane to a mask of lanes.
+TOMODEM_AVX2 inline __m256d lane_mask(unsigned bits) {
+    const __m256i bit = _mm256_set_epi64x(8, 4, 2, 1);
+    const __m256i set = _mm256_and_si256(_mm256_set1_epi64x(bits), bit);
+    return _mm256_castsi256_pd(_mm256_cmpeq_epi64(set, bit));
 }
 
 }  // namespace
@@ -27,90 +39,185 @@ bool VectorPairs::supported() {
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 }
 
-void VectorPairs::set_laws(std::vector<law::Bilin> laws, int type_count, double inner_skin) {
-    type_count_ = type_count;
+void VectorPairs::set_laws(const PairLaws& laws, double inner_skin) {
+    type_count_ = laws.type_count;
     inner_skin_ = inner_skin;
+    dispersed_ = laws.dispersed;
+    seed_to_crown_ = laws.seed_to_crown;
     constants_.clear();
-    reach_squared_.clear();
-    for (const law::Bilin& law : laws) {
-        constants_.push_back({law.seed_distance, law.crown_distance * law.crown_distance, law.repulsive_stiffness,
-                              law.attractive_stiffness});
-        reach_squared_.push_back(std::pow(law.crown_distance + inner_skin, 2));
-    }
+    crown_.clear();
+    bounded_ = false;
+    for (const bool same_object : {true, false})
+        for (const law::Pair& law : laws.of_types) {
+            constants_.push_back({law.seed_distance, law.crown_distance * law.crown_distance, law.repulsive_stiffness,
+                                  same_object ? law.attractive_stiffness : 0.0, -law.greatest_attraction, same_object});
+            crown_.push_back(law.crown_distance);
+            bounded_ = bounded_ || std::isfinite(law.greatest_attraction);
+        }
 }
 
-double VectorPairs::copy_particles(const ParticleView& particles) {
+void VectorPairs::integrate(const MovingView& particles, double kick, double drift) {
+    if (rows_.size() < static_cast<std::size_t>(particles.count)) make_room(particles.count);
     double farthest = 0;
     for (int i = 0; i < particles.count; ++i) {
+        const double per_force = kick / particles.mass[i];
+        double* const x = particles.position + 3 * static_cast<std::ptrdiff_t>(i);
+        double* const v = particles.velocity + 3 * static_cast<std::ptrdiff_t>(i);
+        const double* const f = particles.force + 3 * static_cast<std::ptrdiff_t>(i);
+        double moved = 0;
+        for (int c = 0; c < 3; ++c) {
+            v[c] += per_force * f[c];
+            x[c] += drift * v[c];
+            rows_[i].position[c] = x[c];
+            rows_[i].velocity[c] = v[c];
+            moved += (x[c] - listed_at_[3 * i + c]) * (x[c] - listed_at_[3 * i + c]);
+        }
+        farthest = std::max(farthest, moved);
+    }
+    farthest_ = farthest;
+    integrated_ = particles.count;
+}
+
+void VectorPairs::copy_particles(const ParticleView& particles, int first) {
+    for (int i = first; i < particles.count; ++i) {
         Row& row = rows_[i];
         double moved = 0;
         for (int c = 0; c < 3; ++c) {
             row.position[c] = particles.position[3 * i + c];
             row.velocity[c] = particles.velocity[3 * i + c];
-            const double step = row.position[c] - pruned_at_[3 * i + c];
+            const double step = row.position[c] - listed_at_[3 * i + c];
             moved += step * step;
         }
-        farthest = std::max(farthest, moved);
+        farthest_ = std::max(farthest_, moved);
     }
-    return farthest;
 }
 
-void VectorPairs::prune(const ParticleView& particles, const NeighbourView& list) {
-    ++prunings_;
+void VectorPairs::make_room(std::size_t count) {
+    rows_.resize(count, Row{});
+    forces_.resize(count, Force{});
+    listed_at_.resize(3 * count);
+}
+
+void VectorPairs::list_pairs(const ParticleView& particles, const ContactMemory* memory) {
+    ++listings_;
     block_count_ = 0;
-    for (int r = 0; r < list.row_count; ++r) {
-        const int i = list.rows[r];
-        const int length = list.lengths[i];
-        if (scratch_.size() < static_cast<std::size_t>(length) + 4) scratch_.resize(length + 4);
-        const double* const at = rows_[i].position;
-        for (int type = 1; type <= type_count_; ++type) {
-            const int law = (particles.type[i] - 1) * type_count_ + type - 1;
-            const double reach_squared = reach_squared_[law];
-            int kept = 0;
-            for (int k = 0; k < length; ++k) {
-                const int j = list.neighbours[i][k] & list.index_mask;
-                const double* const there = rows_[j].position;
-                const double dx = at[0] - there[0], dy = at[1] - there[1], dz = at[2] - there[2];
-                scratch_[kept] = j;
-                kept += (dx * dx + dy * dy + dz * dz < reach_squared) & (particles.type[j] == type);
-            }
-            while (kept % 4 != 0) scratch_[kept++] = i;
-            if (blocks_.size() < block_count_ + kept / 4 + prefetch_distance)
-                blocks_.resize(blocks_.size() * 5 / 4 + kept + prefetch_distance);
-            for (int k = 0; k < kept; k += 4)
-                blocks_[block_count_++] = {i, law, {scratch_[k], scratch_[k + 1], scratch_[k + 2], scratch_[k + 3]}};
+    for (int i = 0; i < particles.count; ++i) rows_[i].velocity[3] = particles.radius[i];
+    double crown = *std::max_element(crown_.begin(), crown_.end());
+    if (dispersed_) crown = 2 * *std::max_element(particles.radius, particles.radius + particles.count);
+    search_.sort(particles.position, particles.local_count, particles.count, crown + inner_skin_);
+    by_object_ = particles.object != nullptr;
+    for (int cell = 0; cell < search_.cell_count(); ++cell) {
+        const int end = search_.first_slot(cell + 1);
+        if (search_.first_slot(cell) == end) continue;
+        search_.enter(cell);
+        found_.resize(std::max(found_.size(), static_cast<std::size_t>(search_.most_found())));
+        for (int slot = search_.first_slot(cell); slot < end; ++slot) {
+            const std::int32_t i = search_.particle(slot);
+            const int count = search_.find(slot, found_.data());
+            if (type_count_ == 1 && !by_object_)
+                add_blocks(i, 0, found_.data(), count, particles, memory);
+            else
+                sort_by_law(i, count, particles, memory);
         }
     }
+    blocks_.resize(std::max(blocks_.size(), block_count_ + prefetch_distance));
     std::fill_n(blocks_.begin() + static_cast<std::ptrdiff_t>(block_count_), prefetch_distance, Block{});
-    std::copy_n(particles.position, 3 * static_cast<std::size_t>(particles.count), pruned_at_.begin());
+    std::copy_n(particles.position, 3 * static_cast<std::size_t>(particles.count), listed_at_.begin());
 }
 
-template <bool one_law>
-TOMODEM_AVX2 void VectorPairs::compute() {
+/// Neighbours of one particle, class by class.
+void VectorPairs::sort_by_law(std::int32_t i, int count, const ParticleView& particles, const ContactMemory* memory) {
+    const int kinds = (by_object_ ? 2 : 1) * type_count_;
+    const int room = count + lanes;
+    sorted_.resize(std::max(sorted_.size(), static_cast<std::size_t>(kinds) * room));
+    kept_.assign(kinds, 0);
+    const std::int32_t object = by_object_ ? particles.object[particles.id[i] - 1] : 0;
+    for (int k = 0; k < count; ++k) {
+        const std::int32_t j = found_[k];
+        int kind = particles.type[j] - 1;
+        if (by_object_ && particles.object[particles.id[j] - 1] != object) kind += type_count_;
+        sorted_[kind * room + kept_[kind]++] = j;
+    }
+    const int first_law = (particles.type[i] - 1) * type_count_;
+    for (int kind = 0; kind < kinds; ++kind) {
+        const int apart = kind >= type_count_ ? type_count_ * type_count_ : 0;
+        add_blocks(i, first_law + kind % type_count_ + apart, sorted_.data() + static_cast<std::ptrdiff_t>(kind) * room,
+                   kept_[kind], particles, memory);
+    }
+}
+
+/// @param found  with room for `lanes` more
+void VectorPairs::add_blocks(std::int32_t i, int law, std::int32_t* found, int count, const ParticleView& particles,
+                             const ContactMemory* memory) {
+    std::fill_n(found + count, lanes, i);
+    const std::size_t most = block_count_ + count / lanes + 1 + prefetch_distance;
+    if (blocks_.size() < most) blocks_.resize(most * 5 / 4);
+    for (int k = 0; k < count; k += lanes) {
+        Block& block = blocks_[block_count_++];
+        block = {i, static_cast<std::int16_t>(law), all_lanes, 0, {found[k], found[k + 1], found[k + 2], found[k + 3]}};
+        if (memory == nullptr || memory->interfaces(i).empty()) continue;
+        for (int lane = 0; lane < lanes; ++lane)
+            if (memory->is_interface(i, particles.id[block.neighbour[lane]])) block.interface |= 1U << lane;
+    }
+}
+
+void VectorPairs::change_state(Block& block, unsigned formed, unsigned left, const ParticleView& particles,
+                               const PairStep& step, ContactMemory& memory) const {
+    for (int lane = 0; lane < lanes; ++lane) {
+        const unsigned bit = 1U << lane;
+        const int j = block.neighbour[lane];
+        // Pairs of two objects never attract: there is nothing to decide.
+        if ((formed & bit) != 0 && constants_[block.law].same_object) {
+            const Row &here = rows_[block.particle], &there = rows_[j];
+            const double line[3] = {there.position[0] - here.position[0], there.position[1] - here.position[1],
+                                    there.position[2] - here.position[2]};
+            if (memory.classify(block.particle, j, line, particles.id, step.number)) block.interface |= bit;
+        }
+        if ((left & bit) != 0) {
+            memory.forget(block.particle, j, particles.id);
+            block.interface &= ~bit;
+        }
+    }
+}
+
+template <unsigned features>
+TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const PairStep& step, bool fresh,
+                                       ContactMemory* memory) {
+    constexpr bool several_laws = features & 1, bounded = features & 2, dispersed = features & 4;
+    constexpr bool remembers = features & 8;
     const __m256d one = _mm256_set1_pd(1), zero = _mm256_setzero_pd();
     const __m256d least_squared = _mm256_set1_pd(1e-30);  // keeps the filling pairs finite
-    __m256d seed, crown_squared, repulsive, attractive;
+    const __m256d seed_to_crown = _mm256_set1_pd(seed_to_crown_);
+    __m256d seed, crown_squared, repulsive, attractive, least_force;
+    bool same_object = true;
     const auto use = [&](const PairConstants& constants) TOMODEM_AVX2 {
         seed = _mm256_set1_pd(constants.seed_distance);
         crown_squared = _mm256_set1_pd(constants.crown_squared);
         repulsive = _mm256_set1_pd(constants.repulsive_stiffness);
         attractive = _mm256_set1_pd(constants.attractive_stiffness);
+        least_force = _mm256_set1_pd(constants.least_force);
+        same_object = constants.same_object;
     };
     use(constants_[0]);
+    // The fourth component is a radius, which has no past. At the first step every pair was where it is.
+    const double step_back = step.set_up ? 0.0 : step.time_step;
+    const __m256d back = _mm256_setr_pd(step_back, step_back, step_back, 0);
     const Row* const rows = rows_.data();
     Force* const forces = forces_.data();
-    const Block* const end = blocks_.data() + block_count_;
-    for (const Block* block = blocks_.data(); block < end; ++block) {
-        for (int k = 0; k < 4; ++k) {
+    ContactMemory::Outward* const outward = remembers ? memory->next_outward().data() : nullptr;
+    Block* const end = blocks_.data() + block_count_;
+    for (Block* block = blocks_.data(); block < end; ++block) {
+        for (int k = 0; k < lanes; ++k) {
             const std::int32_t later = block[prefetch_distance].neighbour[k];
             _mm_prefetch(reinterpret_cast<const char*>(rows + later), _MM_HINT_T0);
             _mm_prefetch(reinterpret_cast<const char*>(forces + later), _MM_HINT_T0);
+            if constexpr (remembers) _mm_prefetch(reinterpret_cast<const char*>(outward + later), _MM_HINT_T0);
         }
-        if constexpr (!one_law) use(constants_[block->law]);
+        if constexpr (several_laws) use(constants_[block->law]);
         const __m256d here = _mm256_load_pd(rows[block->particle].position);
         const __m256d moving = _mm256_load_pd(rows[block->particle].velocity);
-        __m256d apart[4], squares[4], approach[4];
-        for (int k = 0; k < 4; ++k) {
+        __m256d apart[lanes], squares[lanes], approach[lanes];
+        for (int k = 0; k < lanes; ++k) {
             const Row& other = rows[block->neighbour[k]];
             apart[k] = _mm256_sub_pd(here, _mm256_load_pd(other.position));
             squares[k] = _mm256_mul_pd(apart[k], apart[k]);
@@ -118,17 +225,47 @@ TOMODEM_AVX2 void VectorPairs::compute() {
         }
         const __m256d squared = _mm256_max_pd(sums(squares[0], squares[1], squares[2], squares[3]), least_squared);
         const __m256d rate = sums(approach[0], approach[1], approach[2], approach[3]);  // times the distance
+        if constexpr (dispersed) {
+            const __m256d others =
+                _mm256_setr_pd(rows[block->neighbour[0]].velocity[3], rows[block->neighbour[1]].velocity[3],
+                               rows[block->neighbour[2]].velocity[3], rows[block->neighbour[3]].velocity[3]);
+            const __m256d crown = _mm256_add_pd(_mm256_set1_pd(rows[block->particle].velocity[3]), others);
+            crown_squared = _mm256_mul_pd(crown, crown);
+            seed = _mm256_mul_pd(crown, seed_to_crown);
+        }
+        const __m256d inside = _mm256_cmp_pd(squared, crown_squared, _CMP_LE_OQ);
+        __m256d internal = inside;
+        if constexpr (remembers) {
+            if (fresh) {
+                // Where the pairs were one step ago follows from their velocities.
+                for (int k = 0; k < lanes; ++k) {
+                    const __m256d speed = _mm256_sub_pd(moving, _mm256_load_pd(rows[block->neighbour[k]].velocity));
+                    const __m256d before = _mm256_fnmadd_pd(speed, back, apart[k]);
+                    squares[k] = _mm256_mul_pd(before, before);
+                }
+                const __m256d before_squared = sums(squares[0], squares[1], squares[2], squares[3]);
+                block->inside = static_cast<std::uint8_t>(
+                    _mm256_movemask_pd(_mm256_cmp_pd(before_squared, crown_squared, _CMP_LE_OQ)));
+            }
+            const auto now = static_cast<unsigned>(_mm256_movemask_pd(inside));
+            const unsigned formed = now & ~block->inside, left = block->interface & ~now;
+            if ((formed | left) != 0) [[unlikely]]
+                change_state(*block, formed, left, particles, step, *memory);
+            block->inside = static_cast<std::uint8_t>(now);
+            if (block->interface != 0) internal = _mm256_andnot_pd(lane_mask(block->interface), inside);
+        }
         const __m256d inverse = _mm256_div_pd(one, _mm256_sqrt_pd(squared));
         // force / distance = stiffness (2 r_s / h - 1): repulsive above 0, attractive below
         const __m256d closeness = _mm256_fmsub_pd(seed, inverse, one);
-        const __m256d pulls =
-            _mm256_and_pd(_mm256_cmp_pd(rate, zero, _CMP_GT_OQ), _mm256_cmp_pd(squared, crown_squared, _CMP_LE_OQ));
-        const __m256d attraction = _mm256_and_pd(pulls, _mm256_mul_pd(attractive, closeness));
+        const __m256d pulls = _mm256_and_pd(_mm256_cmp_pd(rate, zero, _CMP_GT_OQ), internal);
+        __m256d attraction = _mm256_mul_pd(attractive, closeness);
+        if constexpr (bounded) attraction = _mm256_max_pd(attraction, _mm256_mul_pd(least_force, inverse));
+        attraction = _mm256_and_pd(pulls, attraction);
         const __m256d over_distance = _mm256_blendv_pd(_mm256_mul_pd(repulsive, closeness), attraction, closeness);
-        alignas(32) double each[4];
+        alignas(32) double each[lanes];
         _mm256_store_pd(each, over_distance);
         __m256d total = zero;
-        for (int k = 0; k < 4; ++k) {
+        for (int k = 0; k < lanes; ++k) {
             const __m256d force = _mm256_mul_pd(_mm256_broadcast_sd(&each[k]), apart[k]);
             total = _mm256_add_pd(total, force);
             double* const reaction = forces[block->neighbour[k]].component;
@@ -136,22 +273,70 @@ TOMODEM_AVX2 void VectorPairs::compute() {
         }
         double* const action = forces[block->particle].component;
         _mm256_store_pd(action, _mm256_add_pd(_mm256_load_pd(action), total));
+        if constexpr (remembers) {
+            if (!same_object) continue;
+            alignas(32) double counts[lanes];
+            _mm256_store_pd(counts, _mm256_and_pd(internal, one));
+            __m256d away = zero;
+            for (int k = 0; k < lanes; ++k) {
+                const __m256d line = _mm256_mul_pd(_mm256_broadcast_sd(&counts[k]), apart[k]);
+                away = _mm256_add_pd(away, line);
+                double* const theirs = outward[block->neighbour[k]].data();
+                _mm256_storeu_pd(theirs, _mm256_sub_pd(_mm256_loadu_pd(theirs), line));
+            }
+            double* const own = outward[block->particle].data();
+            _mm256_storeu_pd(own, _mm256_add_pd(_mm256_loadu_pd(own), away));
+        }
     }
 }
 
-void VectorPairs::add_forces(const ParticleView& particles, const NeighbourView& list, bool rebuilt, double* forces) {
-    const auto count = static_cast<std::size_t>(particles.count);
-    if (rows_.size() < count) {
-        rows_.resize(count, Row{});
-        forces_.resize(count, Force{});
-        pruned_at_.resize(3 * count);
+TOMODEM_AVX2 double VectorPairs::seed_energy(int local_count) const {
+    const __m256d zero = _mm256_setzero_pd(), half = _mm256_set1_pd(0.5), one = _mm256_set1_pd(1);
+    const __m128i first_ghost = _mm_set1_epi32(local_count);
+    __m256d energy = zero;
+    for (std::size_t b = 0; b < block_count_; ++b) {
+        const Block& block = blocks_[b];
+        const __m256d here = _mm256_load_pd(rows_[block.particle].position);
+        __m256d squares[lanes];
+        double seeds[lanes];
+        for (int k = 0; k < lanes; ++k) {
+            const Row& other = rows_[block.neighbour[k]];
+            const __m256d apart = _mm256_sub_pd(here, _mm256_load_pd(other.position));
+            squares[k] = _mm256_mul_pd(apart, apart);
+            const bool filling = block.neighbour[k] == block.particle;
+            seeds[k] = filling ? 0.0 : seed_to_crown_ * (rows_[block.particle].velocity[3] + other.velocity[3]);
+        }
+        const __m256d distance = _mm256_sqrt_pd(sums(squares[0], squares[1], squares[2], squares[3]));
+        const __m256d overlap = _mm256_max_pd(_mm256_sub_pd(_mm256_loadu_pd(seeds), distance), zero);
+        // A pair across a process boundary is seen from both sides.
+        const __m128i local =
+            _mm_cmplt_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(block.neighbour)), first_ghost);
+        const __m256d share = _mm256_blendv_pd(half, one, _mm256_castsi256_pd(_mm256_cvtepi32_epi64(local)));
+        const __m256d stiffness = _mm256_set1_pd(0.5 * constants_[block.law].repulsive_stiffness);
+        energy = _mm256_fmadd_pd(_mm256_mul_pd(share, stiffness), _mm256_mul_pd(overlap, overlap), energy);
     }
-    const double farthest = copy_particles(particles);
-    if (rebuilt || farthest > 0.25 * inner_skin_ * inner_skin_) prune(particles, list);
-    if (constants_.size() == 1)
-        compute<true>();
-    else
-        compute<false>();
+    alignas(32) double each[lanes];
+    _mm256_store_pd(each, energy);
+    return each[0] + each[1] + each[2] + each[3];
+}
+
+void VectorPairs::add_forces(const ParticleView& particles, const PairStep& step, double* forces,
+                             ContactMemory* memory) {
+    const auto count = static_cast<std::size_t>(particles.count);
+    if (rows_.size() < count) make_room(count);
+    if (step.renumbered) integrated_ = 0;
+    copy_particles(particles, integrated_);
+    const bool fresh = step.renumbered || farthest_ > 0.25 * inner_skin_ * inner_skin_;
+    integrated_ = 0;
+    farthest_ = 0;
+    if (fresh) list_pairs(particles, memory);
+    const bool several_laws = type_count_ > 1 || by_object_;
+    const unsigned features = several_laws * 1U + bounded_ * 2U + dispersed_ * 4U + (memory != nullptr) * 8U;
+    static constexpr auto loops = []<unsigned... each>(std::integer_sequence<unsigned, each...>) {
+        return std::array{&VectorPairs::compute<each>...};
+    }
+    (std::make_integer_sequence<unsigned, 16>());
+    (this->*loops[features])(particles, step, fresh, memory);
     for (int i = 0; i < particles.count; ++i) {
         if (i < particles.local_count)
             for (int c = 0; c < 3; ++c) forces[3 * i + c] += forces_[i].component[c];

@@ -3,17 +3,22 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/law/bilin.hpp"
+#include "core/law/pair.hpp"
+#include "solver_plugin/contact_memory.hpp"
+#include "solver_plugin/pair_search.hpp"
 
 namespace tomodem::plugin {
 
-/// What the vector kernel reads of a process' particles; ghosts follow the local ones. Arrays are not owned.
+/// What the pair loops read of a process' particles; ghosts follow the local ones. Arrays are not owned.
 struct ParticleView {
     const double* position;  ///< 3 per particle
-    const double* velocity;  ///< 3 per particle
+    const double* velocity;  ///< 3 per particle, half a step old: x - time_step v is the position one step ago
+    const double* radius;    ///< of the crown
     const int* type;         ///< from 1
+    const std::int32_t* id;
     int local_count;
-    int count;  ///< with ghosts
+    int count;                             ///< with ghosts
+    const std::int32_t* object = nullptr;  ///< by id - 1; null: attraction does not look at objects
 };
 
 /// Half neighbour list of the solver: pairs within crown and skin.
@@ -25,60 +30,116 @@ struct NeighbourView {
     int index_mask;
 };
 
-/// BILIN on four pairs at once (AVX2), without branches, on a list of its own.
+/// What integration moves: the local particles. Arrays are not owned.
+struct MovingView {
+    double* position;     ///< 3 per particle
+    double* velocity;     ///< 3 per particle
+    const double* force;  ///< 3 per particle
+    const double* mass;
+    int count;
+};
+
+/// What a sample needs of the pair loop; each combination has a loop of its own.
+struct PairLaws {
+    std::vector<law::Pair> of_types;  ///< type_count^2, row by row, for particles of the type's nominal radius
+    int type_count = 1;
+    bool dispersed = false;    ///< radii differ within a type
+    double seed_to_crown = 0;  ///< r_s / r_c, the same for all
+};
+
+/// The step that a pair loop computes.
+struct PairStep {
+    std::int64_t number = 0;
+    double time_step = 0;
+    bool renumbered = true;  ///< the solver has exchanged or sorted particles
+    bool set_up = true;      ///< first computation: every pair in the crown was there before
+};
+
+/// The pair laws on four pairs at once (AVX2), without branches, on a list of its own.
 ///
-/// The solver's list (crown + skin) is pruned to crown + a smaller inner skin; the pruned list is used until a particle
-/// has moved half of that. Positions and velocities are copied to one cache line a particle. Pairs are in blocks of one
-/// particle with four neighbours of one class (pair of types), filled up with the particle itself, at distance zero.
+/// The list (crown + an inner skin) is used until a particle has moved half of that skin. Positions and velocities are
+/// copied to one cache line a particle. Pairs are in blocks of one particle with four neighbours of one class (types,
+/// same or different object), filled up with the particle itself, at distance zero.
 class VectorPairs {
  public:
     /// Whether this machine can run the kernel.
     static bool supported();
 
-    /// @param laws        type_count^2 pair constants, row by row
-    /// @param inner_skin  in the lengths of the positions
-    void set_laws(std::vector<law::Bilin> laws, int type_count, double inner_skin);
+    /// @param inner_skin  added to the crowns when pairs are listed, in the lengths of the positions
+    void set_laws(const PairLaws& laws, double inner_skin);
+
+    /// v += kick f / m, x += drift v; the next add_forces() finds the particles in its own rows.
+    void integrate(const MovingView& particles, double kick, double drift);
 
     /// Adds the forces of all pairs to those of the local particles.
-    /// @param rebuilt  the solver's list is new, or the particles were renumbered
-    /// @param forces   3 per local particle
-    void add_forces(const ParticleView& particles, const NeighbourView& list, bool rebuilt, double* forces);
+    /// @param forces  3 per local particle
+    /// @param memory  of self-contact, whose next_outward() is added to; null without it
+    void add_forces(const ParticleView& particles, const PairStep& step, double* forces,
+                    ContactMemory* memory = nullptr);
 
-    std::int64_t prunings() const { return prunings_; }
+    /// Elastic energy of the overlapping seeds at the last computed step; half of it for pairs with a ghost.
+    double seed_energy(int local_count) const;
+
+    /// Calls use(i, j) for every listed pair.
+    template <class Use>
+    void for_each_pair(Use use) const {
+        for (std::size_t k = 0; k < block_count_; ++k)
+            for (const std::int32_t j : blocks_[k].neighbour)
+                if (j != blocks_[k].particle) use(blocks_[k].particle, j);
+    }
+
+    /// How often the pairs were searched for.
+    std::int64_t listings() const { return listings_; }
 
  private:
     struct alignas(64) Row {
         double position[4];  // the fourth stays 0: it takes part in the sums
-        double velocity[4];
+        double velocity[4];  // the fourth is the radius of the crown: it meets that 0 in every product
     };
     struct alignas(32) Force {
         double component[4];
     };
     struct Block {
         std::int32_t particle;
-        std::int32_t law;
+        std::int16_t law;
+        std::uint8_t inside;     // one bit a neighbour: in the crown one step ago
+        std::uint8_t interface;  // one bit a neighbour
         std::int32_t neighbour[4];
     };
     struct PairConstants {
-        double seed_distance, crown_squared, repulsive_stiffness, attractive_stiffness;
+        double seed_distance, crown_squared, repulsive_stiffness, attractive_stiffness, least_force;
+        bool same_object;
     };
 
-    double copy_particles(const ParticleView& particles);
-    void prune(const ParticleView& particles, const NeighbourView& list);
-    template <bool one_law>
-    void compute();
+    void make_room(std::size_t count);
+    void copy_particles(const ParticleView& particles, int first);
+    void list_pairs(const ParticleView& particles, const ContactMemory* memory);
+    void sort_by_law(std::int32_t i, int count, const ParticleView& particles, const ContactMemory* memory);
+    void add_blocks(std::int32_t i, int law, std::int32_t* found, int count, const ParticleView& particles,
+                    const ContactMemory* memory);
+    void change_state(Block& block, unsigned formed, unsigned left, const ParticleView& particles, const PairStep& step,
+                      ContactMemory& memory) const;
+    /// One loop for each combination of several laws (1), bounded attraction (2), dispersed radii (4), memory (8).
+    template <unsigned features>
+    void compute(const ParticleView& particles, const PairStep& step, bool fresh, ContactMemory* memory);
 
-    std::vector<PairConstants> constants_;
-    std::vector<double> reach_squared_;
+    std::vector<PairConstants> constants_;  // of the pairs of types, then the same without attraction
+    std::vector<double> crown_;
+    bool bounded_ = false, dispersed_ = false, by_object_ = false;
+    double seed_to_crown_ = 0;
     int type_count_ = 0;
     double inner_skin_ = 0;
     std::vector<Row> rows_;
+    int integrated_ = 0;   // rows that integrate() has brought up to date
+    double farthest_ = 0;  // square of the longest way since the list was made
     std::vector<Force> forces_;
-    std::vector<double> pruned_at_;
+    std::vector<double> listed_at_;
     std::vector<Block> blocks_;
     std::size_t block_count_ = 0;  // blocks_ has a tail of empty ones, so that prefetching needs no test
-    std::vector<std::int32_t> scratch_;
-    std::int64_t prunings_ = 0;
+    PairSearch search_;
+    std::vector<std::int32_t> found_, sorted_;
+    std::vector<int> kept_;
+    std::int64_t listings_ = 0;
 };
 
 }  // namespace tomodem::plugin

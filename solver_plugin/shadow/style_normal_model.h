@@ -1,2 +1,2 @@
 // See README.md in this folder.
-#include "solver_plugin/normal_model_bilin.h"
+#include "solver_plugin/normal_models.h"

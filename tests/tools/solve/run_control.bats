@@ -136,7 +136,7 @@ two() { mpirun --oversubscribe -np 2 "$TOMODEM_BIN/solve" relaxed.h5 scene.toml 
     kill $process
     wait $process || true
     [ -e run.h5.checkpoint ]
-    press_scene other.toml -0.3
+    press_scene other.toml -0.25
     refuses 1 "cannot go on from 'run.h5.checkpoint': it was made with another scene" \
         solve relaxed.h5 other.toml run.h5 --resume
     refuses 1 "cannot go on from 'run.h5.checkpoint': it was made with another sample" \

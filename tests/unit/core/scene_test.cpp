@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "core/error.hpp"
 
 namespace tomodem {
@@ -96,6 +98,54 @@ TEST(Scene, RefusesValuesOutOfRange) {
 TEST(Scene, RefusesAPhaseWithTwoDescriptionsOrNone) {
     expect_refused(with("objects = true", "norton = { K = 1, M = 0.1 }"), "8", "either norton");
     expect_refused(with("natural_period = \"800 ms\"", ""), "8", "either norton");
+}
+
+const std::string porous = R"([phase.metal]
+label = 1
+law = "trilin"
+norton = { K = 49.1, M = 0.0714 }
+hardening = { table = [[0, 1], [100, 1.5]] }
+
+[contact]
+self_contact = true
+healing_time = "20 s"
+
+[load]
+steps = [ { strain = -0.3, rate = 1e-3 }, { strain = 0.1, rate = 1e-3 } ]
+)";
+
+TEST(Scene, ReadsALawThatCarriesTensionWithSelfContactAndHardening) {
+    const Scene scene = parse_scene("radius_dispersion = 0.05\n" + porous, "s.toml");
+    EXPECT_EQ(scene.law(), Law::trilin);
+    EXPECT_DOUBLE_EQ(scene.crown_radius, 0.7);
+    EXPECT_DOUBLE_EQ(scene.radius_dispersion, 0.05);
+    EXPECT_TRUE(scene.self_contact);
+    EXPECT_EQ(scene.healing_time, 20);
+    EXPECT_DOUBLE_EQ(scene.phases[0].stiffness_ratio, 3);
+    EXPECT_DOUBLE_EQ(scene.phases[0].hardening->factor(50), 1.25);
+    EXPECT_DOUBLE_EQ(scene.phases[0].hardening->factor(1000), 1.5);
+}
+
+TEST(Scene, RefusesWhatALawDoesNotHave) {
+    const auto changed = [](const std::string& piece, const std::string& replacement) {
+        std::string text = porous;
+        return text.replace(text.find(piece), piece.size(), replacement);
+    };
+    expect_refused(with("natural_period = \"800 ms\"", "natural_period = 1\ngreatest_attraction = 1e8"), "13",
+                   "belongs to law \"trilin\"");
+    expect_refused(with("law = \"bilin\"\nrepulsive", "law = \"trilin\"\nrepulsive"), "3", "one law");
+    expect_refused(with("law = \"bilin\"", "law = \"trulin\""), "5", "\"bilin\" or \"trilin\"");
+    expect_refused(changed("self_contact = true\n", ""), "8", "has no effect");
+    expect_refused(changed("[100, 1.5]", "[0, 1.5]"), "5", "times rising");
+    expect_refused(changed("[100, 1.5]", "[100, -1]"), "5", "factors above 0");
+    expect_refused("radius_dispersion = 0.5\n" + porous, "1", "expected 0 to 0.3");
+}
+
+TEST(Hardening, IsTheThesisCrystallisationLaw) {
+    // Thesis chapter 13: strength after 600 s and after half an hour more.
+    const Hardening law{{}, 2.91e-4, 1.82e-3, 4.24, 0.951, 600};
+    EXPECT_NEAR(law.factor(0), 1.011, 0.001);
+    EXPECT_NEAR(law.factor(1800), 2.91e-4 * std::exp(1.82e-3 * 2400 + 4.24) + 0.951, 1e-12);
 }
 
 TEST(Scene, RefusesASyntaxErrorWithItsLine) {

@@ -3,8 +3,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 
-#include "core/law/bilin.hpp"
+#include "core/law/pair.hpp"
 #include "solver_plugin/simulation.hpp"
 
 namespace tomodem {
@@ -55,19 +56,19 @@ class LawInLiggghts : public testing::TestWithParam<const char*> {
 INSTANTIATE_TEST_SUITE_P(BothKernels, LawInLiggghts, testing::Values("scalar", "vector"));
 
 TEST_P(LawInLiggghts, RepelsInTheSeedWhateverTheRate) {
-    const law::Bilin law = two_phase_model().phases[0].pair;
+    const law::Pair law = two_phase_model().phases[0].pair;
     for (double distance : {0.5, 0.9, 0.99})
         for (double rate : {-0.2, 0.2}) {
-            const double expected = law::bilin_force(law, distance, rate);
+            const double expected = law::pair_force(law, distance, rate);
             ASSERT_GT(expected, 0);
             EXPECT_NEAR(force_in_liggghts(pair_of(1, 1, distance), rate), expected, relative * law.repulsive_stiffness);
         }
 }
 
 TEST_P(LawInLiggghts, AttractsInTheCrownOnlyWhileSeparating) {
-    const law::Bilin law = two_phase_model().phases[0].pair;
+    const law::Pair law = two_phase_model().phases[0].pair;
     for (double distance : {1.1, 1.3, 1.49}) {
-        const double expected = law::bilin_force(law, distance, 0.2);
+        const double expected = law::pair_force(law, distance, 0.2);
         ASSERT_LT(expected, 0);
         EXPECT_NEAR(force_in_liggghts(pair_of(1, 1, distance), 0.2) / expected, 1, relative);
         EXPECT_EQ(force_in_liggghts(pair_of(1, 1, distance), -0.2), 0);
@@ -80,10 +81,10 @@ TEST_P(LawInLiggghts, EndsAtTheCrown) {
 
 TEST_P(LawInLiggghts, TakesTheAverageOfTwoMaterials) {
     const Model model = two_phase_model();
-    const law::Bilin law = law::mixed(model.phases[0].pair, model.phases[1].pair);
+    const law::Pair law = law::mixed(model.phases[0].pair, model.phases[1].pair);
     EXPECT_DOUBLE_EQ(law.repulsive_stiffness, (6.23e9 + 2.65e9) / 2);
-    EXPECT_NEAR(force_in_liggghts(pair_of(1, 2, 0.8), 0.1) / law::bilin_force(law, 0.8, 0.1), 1, relative);
-    EXPECT_NEAR(force_in_liggghts(pair_of(2, 1, 1.2), 0.1) / law::bilin_force(law, 1.2, 0.1), 1, relative);
+    EXPECT_NEAR(force_in_liggghts(pair_of(1, 2, 0.8), 0.1) / law::pair_force(law, 0.8, 0.1), 1, relative);
+    EXPECT_NEAR(force_in_liggghts(pair_of(2, 1, 1.2), 0.1) / law::pair_force(law, 1.2, 0.1), 1, relative);
 }
 
 TEST_P(LawInLiggghts, IsTheSameAlongEveryLoadingAxis) {
@@ -102,7 +103,7 @@ TEST_P(LawInLiggghts, ActsBetweenParticleAndPlane) {
     Packing pair = pair_of(1, 1, 1);
     pair.position = {Vec3(0, 0, 0), Vec3(0, 0, 10)};
     const Model model = two_phase_model();
-    const law::Bilin law{model.seed_radius, model.crown_radius, 6.23e9, 6.23e8};
+    const law::Pair law{model.seed_radius, model.crown_radius, 6.23e9, 6.23e8};
     for (double distance : {0.3, 0.45, 0.55, 0.7, 0.76}) {
         for (double speed_away : {-0.2, 0.2}) {
             Simulation simulation(pair, model, 2, MPI_COMM_WORLD);
@@ -110,10 +111,73 @@ TEST_P(LawInLiggghts, ActsBetweenParticleAndPlane) {
             // The planes start one seed radius outside and close by a strain: the distance to both is then `distance`.
             simulation.set_loading(std::log(1 + 2 * (distance - model.seed_radius) / 10), 0);
             const auto forces = simulation.forces_at({Vec3(0, 0, speed_away), Vec3(0, 0, -speed_away)});
-            const double expected = law::bilin_force(law, distance, speed_away);
+            const double expected = law::pair_force(law, distance, speed_away);
             EXPECT_NEAR(forces[0].z(), expected, relative * law.repulsive_stiffness) << distance << ' ' << speed_away;
             EXPECT_NEAR(forces[1].z(), -expected, relative * law.repulsive_stiffness) << distance << ' ' << speed_away;
         }
+    }
+}
+
+Model trilin_model() {
+    Model model = two_phase_model();
+    model.crown_radius = 0.7;
+    model.trilin = true;
+    model.phases = {{1, {1.0, 1.4, 1.42e9, 4.73e8, 1e8}, 1.0, 3.6e7, 0.0}};
+    return model;
+}
+
+double force_on_second(const Packing& pair, const Model& model, double rate) {
+    Simulation simulation(pair, model, 2, MPI_COMM_WORLD);
+    const Vec3 direction = (pair.position[1] - pair.position[0]).normalized();
+    return simulation.forces_at({Vec3::Zero(), rate * direction})[1].dot(direction);
+}
+
+TEST_P(LawInLiggghts, BoundsTheAttractionOfTrilin) {
+    const Model model = trilin_model();
+    EXPECT_NEAR(force_on_second(pair_of(1, 1, 1.1), model, 0.1) / -4.73e7, 1, relative);
+    EXPECT_NEAR(force_on_second(pair_of(1, 1, 1.35), model, 0.1) / -1e8, 1, relative);
+    EXPECT_EQ(force_on_second(pair_of(1, 1, 1.35), model, -0.1), 0);
+    EXPECT_NEAR(force_on_second(pair_of(1, 1, 0.9), model, 0.1) / 1.42e8, 1, relative);
+}
+
+TEST_P(LawInLiggghts, DoesNotAttractBetweenObjectsButRepels) {
+    Model model = trilin_model();
+    model.between_objects = true;
+    Packing apart = pair_of(1, 1, 1.2), touching = pair_of(1, 1, 0.9);
+    apart.object = touching.object = {1, 2};
+    EXPECT_EQ(force_on_second(apart, model, 0.1), 0);
+    EXPECT_NEAR(force_on_second(touching, model, 0.1) / 1.42e8, 1, relative);
+    apart.object = {3, 3};
+    EXPECT_NEAR(force_on_second(apart, model, 0.1) / -9.46e7, 1, relative);
+}
+
+TEST_P(LawInLiggghts, ScalesSeedAndCrownWithTheRadiiOfThePair) {
+    Model model = trilin_model();
+    model.radius_dispersion = 0.1;
+    // The sum of the radii from where the repulsion ends; it is the same for every distance.
+    const auto force_at = [&](double distance) {
+        Packing pair = pair_of(1, 1, distance);
+        pair.id = {1, 4};
+        return force_on_second(pair, model, 0.1);
+    };
+    const double seeds = 0.8 + force_at(0.8) / 1.42e9;
+    EXPECT_GT(std::abs(seeds - 1), 1e-3);
+    EXPECT_NEAR(seeds, 1, 0.3);
+    EXPECT_NEAR(force_at(0.7) / (1.42e9 * (seeds - 0.7)), 1, 1e-9);
+    EXPECT_NEAR(force_at(1.4 * seeds - 1e-6) / -1e8, 1, relative);
+    EXPECT_EQ(force_at(1.4 * seeds + 1e-6), 0);
+}
+
+TEST_P(LawInLiggghts, SwingsWithItsNaturalPeriod) {
+    // Two equal masses that overlap by d: h = 2 r_s - d cos(w t), w^2 = 2 k / m, until they part.
+    Model model = two_phase_model();
+    Simulation simulation(pair_of(1, 1, 0.98), model, 2, MPI_COMM_WORLD);
+    const double frequency = std::sqrt(2.0) * 2 * std::numbers::pi / 0.1;
+    for (int steps : {7, 9, 11}) {
+        simulation.run(steps);
+        const double time = static_cast<double>(simulation.step()) * model.time_step;
+        const auto points = simulation.positions();
+        EXPECT_NEAR((points[1] - points[0]).norm(), 1 - 0.02 * std::cos(frequency * time), 1e-5) << simulation.step();
     }
 }
 

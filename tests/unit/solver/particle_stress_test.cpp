@@ -37,7 +37,6 @@ TEST(ParticleStress, OfAPairIsForceTimesHalfTheBranchInTheSamplesAxes) {
     const Packing sample = two_particles(0.9 * direction);
     for (int axis = 0; axis < 3; ++axis) {
         Simulation simulation(sample, heavy_model(sample), axis, MPI_COMM_WORLD);
-        simulation.prepare_stress_samples();
         simulation.run_to_stress_sample(1);
         const RowBlock stress = simulation.stress_rows();
         const double volume = 2 * 3 * 4 / 2.0, force = stiffness * 0.1;
@@ -57,7 +56,6 @@ TEST(ParticleStress, OfAColumnAtRestSumsUpToTheForceOnThePlanesTimesTheirDistanc
     const Packing sample = two_particles(Vec3(0, gap, 0));
     Simulation simulation(sample, heavy_model(sample), 1, MPI_COMM_WORLD);
     simulation.place_planes();
-    simulation.prepare_stress_samples();
     const double height = simulation.initial_height();
     simulation.set_loading(0, std::log(1 - 2 * overlap / height) / time_step);
     simulation.run_to_stress_sample(1);
@@ -78,7 +76,6 @@ TEST(ParticleStress, IsScaledToTheLengthsOfTheSample) {
     const Packing large = two_particles(Vec3(0, 0, 0.9));
     const auto stress = [](const Packing& sample) {
         Simulation simulation(sample, heavy_model(sample), 2, MPI_COMM_WORLD);
-        simulation.prepare_stress_samples();
         simulation.run_to_stress_sample(1);
         return simulation.stress_rows().values[2];
     };

@@ -1,6 +1,9 @@
 #include "solver_plugin/solver.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+
+#include <cmath>
 
 #include "core/error.hpp"
 #include "core/packing_file.hpp"
@@ -145,6 +148,45 @@ TEST(Model, RefusesWhatTheSampleDoesNotHave) {
 TEST(Model, RefusesATimeStepThatIsUnstable) {
     const Scene coarse = scene("steps = [ { strain = -0.1, rate = 1e-3 } ]", "time_step = 0.02");
     EXPECT_THAT([&] { compile_model(coarse, block(3)); }, ThrowsMessage<InvalidInput>(HasSubstr("unstable")));
+}
+
+TEST(CompileModel, GivesTrilinItsCalibratedConstants) {
+    const auto trilin = [](const std::string& constants, double sensitivity_rate) {
+        return compile_model(parse_scene(fmt::format("[phase.a]\nlabel = 1\nlaw = \"trilin\"\n{}\n[load]\n"
+                                                     "steps = [ {{ strain = 0.1, rate = {} }} ]\n",
+                                                     constants, sensitivity_rate),
+                                         "test"),
+                             block(3));
+    };
+    const Model thesis = trilin("norton = { K = 49.1, M = 0.0714 }", 1e-3);
+    EXPECT_DOUBLE_EQ(thesis.time_step, 0.1);
+    EXPECT_NEAR(thesis.phases[0].natural_period, 1, 1e-12);
+    EXPECT_NEAR(thesis.phases[0].pair.repulsive_stiffness / 1.42e9, 1, 1e-9);
+    EXPECT_NEAR(thesis.phases[0].pair.greatest_attraction, 1e8, 2e5);
+    // A rate ten times higher: the same packing ten times faster, under the stress of that rate.
+    const Model fast = trilin("norton = { K = 49.1, M = 0.0714 }", 1e-2);
+    EXPECT_NEAR(fast.phases[0].natural_period, 0.1, 1e-12);
+    EXPECT_NEAR(fast.phases[0].pair.repulsive_stiffness / 1.42e9, std::pow(10, 0.0714), 1e-9);
+    EXPECT_THAT([&] { trilin("norton = { K = 49.1, M = 0.3 }", 1e-3); },
+                ThrowsMessage<InvalidInput>(HasSubstr("law \"bilin\" can")));
+}
+
+TEST_F(Solve, ScalesEveryForceWithTheHardeningAndMovesNothing) {
+    const auto press = [&](const std::string& hardening) {
+        const Scene scene = parse_scene(
+            "[phase.a]\nlabel = 1\nlaw = \"trilin\"\nrepulsive_stiffness = 1.42e9\n"
+            "natural_period = 1\n" +
+                hardening + "\n[load]\nsteps = [ { strain = -0.03, rate = 1e-3 } ]\n",
+            "test");
+        solve(block(5), scene, folder / "run.h5", {}, MPI_COMM_WORLD);
+        return std::pair(RunReader(folder / "run.h5").observable("stress_true").value,
+                         RunReader(folder / "run.h5").frame(30).position);
+    };
+    const auto [plain, still] = press("");
+    const auto [hard, moved] = press("hardening = { table = [[0, 2]] }");
+    ASSERT_EQ(plain.size(), hard.size());
+    for (std::size_t k = 1; k < plain.size(); ++k) EXPECT_NEAR(hard[k], 2 * plain[k], 1e-6 * std::abs(plain[k]));
+    for (std::size_t k = 0; k < still.size(); ++k) EXPECT_LT((still[k] - moved[k]).norm(), 1e-9);
 }
 
 }  // namespace
