@@ -58,11 +58,20 @@ wait_for() { for _ in $(seq 200); do [ -e "$1" ] && return; sleep 0.05; done; re
     make_relaxed 500 -0.6
     solve relaxed.h5 scene.toml whole.h5 --quiet
     kills=0
-    for _ in $(seq 10); do
+    progress=0
+    for number in $(seq 10); do
+        before=$(stat -c %i run.h5.checkpoint 2>/dev/null || true)
         solve relaxed.h5 scene.toml run.h5 --resume --checkpoint-every 0.0005 --quiet & process=$!
-        sleep "0.$((RANDOM % 25 + 20))"
+        # Every other time at any moment, else some time behind a new checkpoint: so it gets on on a slow machine too.
+        for _ in $(seq $((number % 2 * 200))); do
+            [ "$(stat -c %i run.h5.checkpoint 2>/dev/null || true)" = "$before" ] || break
+            kill -0 $process 2>/dev/null || break
+            sleep 0.02
+        done
+        sleep "0.$((RANDOM % 20 + 10))"
         kill -9 $process 2>/dev/null && kills=$((kills + 1))
         wait $process || true
+        [ "$(stat -c %i run.h5.checkpoint 2>/dev/null || true)" = "$before" ] || progress=$((progress + 1))
         [ -e run.h5 ] && break
         [ ! -e run.h5.partial ] || /usr/bin/python3 - <<'END'
 import h5py
@@ -76,7 +85,9 @@ assert np.isfinite(run["observables/strain/value"][:points]).all()
 print(frames, "frames", points, "points")
 END
     done
+    echo "$kills kills, $progress behind a new checkpoint"
     [ "$kills" -ge 3 ]
+    [ "$progress" -ge 2 ]
     solve relaxed.h5 scene.toml run.h5 --resume --quiet
     same whole.h5 run.h5
     [ ! -e run.h5.partial ]
@@ -125,6 +136,43 @@ two() { mpirun --oversubscribe -np 2 "$TOMODEM_BIN/solve" relaxed.h5 scene.toml 
     [ ! -e run.h5 ]
     [ -z "$(find . -name '.*part*')" ]
     two run.h5 --resume --quiet
+    same whole.h5 run.h5
+}
+
+@test "what contacts remember, hardening and dispersed radii are gone on with too" {
+    make_relaxed
+    cat > trilin.toml <<'END'
+radius_dispersion = 0.05
+
+[phase.a]
+label = 1
+law = "trilin"
+repulsive_stiffness = 6.23e9
+natural_period = 0.1
+hardening = { table = [[0, 1], [600, 1.2]] }
+
+[contact]
+self_contact = true
+healing_time = "5 s"
+
+[load]
+steps = [ { strain = -0.2, rate = 1e-2 }, { strain = 0.05, rate = 1e-2 } ]
+
+[accuracy]
+time_step = 2e-3
+frames = 4
+
+[output]
+stress = true
+END
+    solve relaxed.h5 trilin.toml whole.h5 --quiet
+    solve relaxed.h5 trilin.toml run.h5 --quiet & process=$!
+    wait_for run.h5.partial
+    sleep 0.4
+    kill $process
+    wait $process || true
+    /usr/bin/python3 -c 'import h5py; assert h5py.File("run.h5.checkpoint")["particles/memory"].size >= 1500'
+    solve relaxed.h5 trilin.toml run.h5 --resume --quiet
     same whole.h5 run.h5
 }
 
