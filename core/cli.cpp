@@ -370,6 +370,17 @@ void silence() {
     running().silent = true;
 }
 
+namespace {
+
+std::string duration_text(double seconds) {
+    const auto all = static_cast<std::int64_t>(std::llround(seconds));
+    if (all < 120) return fmt::format("{} s", all);
+    if (all < 120 * 60) return fmt::format("{} min", (all + 30) / 60);
+    return fmt::format("{} h {:02} min", all / 3600, all % 3600 / 60);
+}
+
+}  // namespace
+
 struct Progress::State {
     std::string label;
     double total;
@@ -396,7 +407,7 @@ void Progress::update(double done) {
     const double elapsed = duration<double>(now - state_->start).count();
     constexpr int width = 30;
     const int filled = static_cast<int>(share * width);
-    std::string left = share > 0.01 ? fmt::format("{:.0f} s left", elapsed * (1 - share) / share) : "";
+    const std::string left = share > 0.01 ? duration_text(elapsed * (1 - share) / share) + " left" : "";
     std::fprintf(stderr, "\r\033[K%s [%s%s] %3.0f %% %s", state_->label.c_str(), std::string(filled, '#').c_str(),
                  std::string(width - filled, '.').c_str(), 100 * share, left.c_str());
     std::fflush(stderr);

@@ -151,29 +151,18 @@ void Hdf5Writer::text_dataset(hid_t parent, const char* name, const std::vector<
     if (count > 0) hdf5_check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded(texts).data()), failure_);
 }
 
-Hdf5Handle Hdf5Writer::growing_frames(hid_t parent, const char* name, hsize_t rows) {
-    constexpr hsize_t rows_per_chunk = 65536;  // 1.5 MiB
-    const hsize_t pieces = (rows + rows_per_chunk - 1) / rows_per_chunk;
-    const hsize_t chunk[] = {1, (rows + pieces - 1) / pieces, 3};  // equal pieces: the last one is not half empty
-    const hsize_t start[] = {0, rows, 3};
-    const hsize_t most[] = {H5S_UNLIMITED, rows, 3};
+Hdf5Handle Hdf5Writer::reserved(hid_t parent, const char* name, const Hdf5Shape& shape, hid_t type, const void* fill) {
     const Hdf5Handle creation = untimed(H5P_DATASET_CREATE);
-    hdf5_check(H5Pset_chunk(creation, 3, chunk), failure_);
-    hdf5_check(H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER), failure_);
-    Hdf5Handle space(H5Screate_simple(3, start, most), H5Sclose, failure_);
-    return {H5Dcreate2(parent, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose, failure_};
+    hdf5_check(H5Pset_layout(creation, H5D_CONTIGUOUS), failure_);
+    hdf5_check(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), failure_);
+    hdf5_check(H5Pset_fill_time(creation, fill ? H5D_FILL_TIME_ALLOC : H5D_FILL_TIME_NEVER), failure_);
+    if (fill) hdf5_check(H5Pset_fill_value(creation, type, fill), failure_);
+    Hdf5Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, failure_);
+    return {H5Dcreate2(parent, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose, failure_};
 }
 
-void Hdf5Writer::append_frame(hid_t dataset, hsize_t index, std::span<const Vec3> rows) {
-    const hsize_t size[] = {index + 1, rows.size(), 3};
-    const hsize_t offset[] = {index, 0, 0};
-    const hsize_t count[] = {1, rows.size(), 3};
-    hdf5_check(H5Dset_extent(dataset, size), failure_);
-    Hdf5Handle target(H5Dget_space(dataset), H5Sclose, failure_);
-    hdf5_check(H5Sselect_hyperslab(target, H5S_SELECT_SET, offset, nullptr, count, nullptr), failure_);
-    Hdf5Handle source(H5Screate_simple(3, count, nullptr), H5Sclose, failure_);
-    hdf5_check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source, target, H5P_DEFAULT, rows.front().data()), failure_);
-    hdf5_check(H5Fflush(file_, H5F_SCOPE_LOCAL), failure_);
+void Hdf5Writer::link(const char* existing, hid_t parent, const char* name) {
+    hdf5_check(H5Lcreate_hard(file_, existing, parent, name, H5P_DEFAULT, H5P_DEFAULT), failure_);
 }
 
 void Hdf5Writer::frame_view(hid_t parent, const std::string& name, const char* source, hsize_t index, hsize_t frames,
@@ -215,6 +204,51 @@ Hdf5Handle Hdf5Writer::text_type(std::size_t size) {
     hdf5_check(H5Tset_strpad(type, H5T_STR_NULLPAD), failure_);
     hdf5_check(H5Tset_cset(type, H5T_CSET_UTF8), failure_);
     return type;
+}
+
+Hdf5Filler::Hdf5Filler(const fs::path& where, const fs::path& shown, MPI_Comm processes)
+    : failure_(fmt::format("cannot write '{}'", shown.string())), processes_(processes), file_(opened(where)) {}
+
+Hdf5Handle Hdf5Filler::opened(const fs::path& where) {
+    Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, failure_);
+    hdf5_check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), failure_);
+    hdf5_check(H5Pset_file_locking(access, false, true), failure_);
+    if (processes_ != MPI_COMM_NULL) hdf5_check(H5Pset_fapl_mpio(access, processes_, MPI_INFO_NULL), failure_);
+    return {H5Fopen(where.c_str(), H5F_ACC_RDWR, access), H5Fclose, failure_};
+}
+
+void Hdf5Filler::write(const std::string& path, const Hdf5Shape& start, const Hdf5Shape& shape, hid_t type,
+                       const void* data, Call call) {
+    auto found = datasets_.find(path);
+    if (found == datasets_.end())
+        found = datasets_
+                    .emplace(path, Hdf5Handle(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose,
+                                              fmt::format("{}: {}", failure_, path)))
+                    .first;
+    Hdf5Handle target(H5Dget_space(found->second), H5Sclose, failure_);
+    Hdf5Handle source(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, failure_);
+    const bool empty = std::find(shape.begin(), shape.end(), hsize_t{0}) != shape.end();
+    if (empty) {
+        hdf5_check(H5Sselect_none(target), failure_);
+        hdf5_check(H5Sselect_none(source), failure_);
+    } else {
+        hdf5_check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, shape.data(), nullptr), failure_);
+    }
+    Hdf5Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose, failure_);
+    if (processes_ != MPI_COMM_NULL)
+        hdf5_check(H5Pset_dxpl_mpio(transfer, call == Call::together ? H5FD_MPIO_COLLECTIVE : H5FD_MPIO_INDEPENDENT),
+                   failure_);
+    const double nothing = 0;
+    hdf5_check(H5Dwrite(found->second, type, source, target, transfer, empty ? &nothing : data), failure_);
+}
+
+void Hdf5Filler::flush() {
+    hdf5_check(H5Fflush(file_, H5F_SCOPE_LOCAL), failure_);
+}
+
+void Hdf5Filler::close() {
+    datasets_.clear();
+    if (!file_.close()) throw InvalidInput(fmt::format("{}: {}", failure_, reason()));
 }
 
 Hdf5Reader::Hdf5Reader(const fs::path& path)
@@ -295,18 +329,29 @@ std::string Hdf5Reader::one_text(const std::string& path) const {
     return all.empty() ? std::string() : all.front();
 }
 
-std::vector<Vec3> Hdf5Reader::frame(const std::string& path, hsize_t index) const {
+std::vector<double> Hdf5Reader::frame(const std::string& path, hsize_t index) const {
+    return part<double>(path, index, 1);
+}
+
+std::size_t Hdf5Reader::part_size(const std::string& path, hsize_t count) const {
+    const Hdf5Shape size = shape(dataset(path), path);
+    hsize_t all = count;
+    for (std::size_t k = 1; k < size.size(); ++k) all *= size[k];
+    return all;
+}
+
+void Hdf5Reader::read_part(const std::string& path, hsize_t start, hsize_t count, hid_t type, void* values) const {
     const Hdf5Handle set = dataset(path);
-    const Hdf5Shape size = shape(set, path);
-    const hsize_t offset[] = {index, 0, 0};
-    const hsize_t count[] = {1, size[1], 3};
+    Hdf5Shape block = shape(set, path);
+    if (block.empty() || start + count > block[0]) fail(fmt::format("{} has too few entries", path));
+    if (std::find(block.begin() + 1, block.end(), hsize_t{0}) != block.end() || count == 0) return;
+    Hdf5Shape offset(block.size(), 0);
+    offset[0] = start;
+    block[0] = count;
     Hdf5Handle source(H5Dget_space(set), H5Sclose, at(path));
-    hdf5_check(H5Sselect_hyperslab(source, H5S_SELECT_SET, offset, nullptr, count, nullptr), at(path));
-    Hdf5Handle target(H5Screate_simple(3, count, nullptr), H5Sclose, at(path));
-    std::vector<Vec3> rows(size[1]);
-    if (!rows.empty())
-        hdf5_check(H5Dread(set, H5T_NATIVE_DOUBLE, target, source, H5P_DEFAULT, rows.front().data()), at(path));
-    return rows;
+    hdf5_check(H5Sselect_hyperslab(source, H5S_SELECT_SET, offset.data(), nullptr, block.data(), nullptr), at(path));
+    Hdf5Handle target(H5Screate_simple(static_cast<int>(block.size()), block.data(), nullptr), H5Sclose, at(path));
+    hdf5_check(H5Dread(set, type, target, source, H5P_DEFAULT, values), at(path));
 }
 
 std::string Hdf5Reader::at(const std::string& object) const {

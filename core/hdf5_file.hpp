@@ -1,7 +1,9 @@
 #pragma once
 #include <hdf5.h>
+#include <mpi.h>
 
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -88,9 +90,14 @@ class Hdf5Writer {
     }
     /// One string, or with `list` an array of them.
     void text_dataset(hid_t parent, const char* name, const std::vector<std::string>& texts, bool list = true);
-    /// An empty [0][rows][3] dataset that grows by frames.
-    Hdf5Handle growing_frames(hid_t parent, const char* name, hsize_t rows);
-    void append_frame(hid_t dataset, hsize_t index, std::span<const Vec3> rows);
+    /// A contiguous dataset whose place in the file is fixed now and whose numbers come later. Without `fill` it is not
+    /// written at all yet (large fields).
+    template <class T>
+    Hdf5Handle reserved(hid_t parent, const char* name, const Hdf5Shape& shape, std::optional<T> fill = {}) {
+        return reserved(parent, name, shape, hdf5_native<T>(), fill ? &*fill : nullptr);
+    }
+    /// Another name of an object of this file.
+    void link(const char* existing, hid_t parent, const char* name);
     /// A [rows][3] dataset without data of its own that shows one frame of another dataset of this file.
     void frame_view(hid_t parent, const std::string& name, const char* source, hsize_t index, hsize_t frames,
                     hsize_t rows);
@@ -101,9 +108,39 @@ class Hdf5Writer {
     /// No time stamps: the same input gives the same bytes.
     Hdf5Handle untimed(hid_t property_class);
     Hdf5Handle text_type(std::size_t size);
+    Hdf5Handle reserved(hid_t parent, const char* name, const Hdf5Shape& shape, hid_t type, const void* fill);
 
     std::string failure_;
     Hdf5Handle file_;
+};
+
+/// An existing HDF5 file whose reserved datasets are filled. Only numbers change: the file stays readable throughout.
+class Hdf5Filler {
+ public:
+    /// With a communicator, its processes write the file together: opening and closing are collective.
+    Hdf5Filler(const std::filesystem::path& where, const std::filesystem::path& shown,
+               MPI_Comm processes = MPI_COMM_NULL);
+
+    const std::string& failure() const { return failure_; }
+    /// Writes a block of `shape` at `start`. `together`: every process calls at once, each with its own block.
+    enum class Call { alone, together };
+    template <class T>
+    void write(const std::string& path, const Hdf5Shape& start, const Hdf5Shape& shape, const T* data, Call call) {
+        write(path, start, shape, hdf5_native<T>(), data, call);
+    }
+    /// Hands everything to the system: what a killed process has written stays.
+    void flush();
+    void close();
+
+ private:
+    Hdf5Handle opened(const std::filesystem::path& where);
+    void write(const std::string& path, const Hdf5Shape& start, const Hdf5Shape& shape, hid_t type, const void* data,
+               Call call);
+
+    std::string failure_;
+    MPI_Comm processes_;
+    Hdf5Handle file_;
+    std::map<std::string, Hdf5Handle> datasets_;
 };
 
 /// An existing HDF5 file, opened for reading; errors name the file and the object in it.
@@ -146,13 +183,22 @@ class Hdf5Reader {
     std::vector<std::string> text_attribute(const std::string& object, const char* name) const;
     std::vector<std::string> text_dataset(const std::string& path) const;
     std::string one_text(const std::string& path) const;
-    /// Row `index` of a [F][N][3] array.
-    std::vector<Vec3> frame(const std::string& path, hsize_t index) const;
+    /// Frame `index` of a [F][N][K] array of doubles: N x K numbers.
+    std::vector<double> frame(const std::string& path, hsize_t index) const;
+    /// `count` entries of an array from `start` on, along its first dimension.
+    template <class T>
+    std::vector<T> part(const std::string& path, hsize_t start, hsize_t count) const {
+        std::vector<T> values(part_size(path, count));
+        read_part(path, start, count, hdf5_native<T>(), values.data());
+        return values;
+    }
 
  private:
     Hdf5Handle opened(const std::filesystem::path& path) const;
     /// Length of a one-dimensional array of numbers.
     hsize_t array_size(hid_t dataset, const std::string& path) const;
+    std::size_t part_size(const std::string& path, hsize_t count) const;
+    void read_part(const std::string& path, hsize_t start, hsize_t count, hid_t type, void* values) const;
     std::optional<Hdf5Handle> open_attribute(const std::string& object, const char* name) const;
     /// The object's name for errors.
     std::string at(const std::string& object) const;

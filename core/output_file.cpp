@@ -76,6 +76,18 @@ fs::path folder_of(const fs::path& path) {
 }  // namespace
 
 OutputFile::OutputFile(fs::path final_path) : final_(std::move(final_path)) {
+    check();
+    part_ = folder_of(final_) /
+            fmt::format(".{}.part-{}{}", final_.stem().string(), ::getpid(), final_.extension().string());
+    remember(part_.c_str());
+}
+
+OutputFile::OutputFile(fs::path final_path, fs::path part) : final_(std::move(final_path)), part_(std::move(part)) {
+    check();
+    remember(part_.c_str());
+}
+
+void OutputFile::check() {
     std::error_code error;
     if (fs::is_symlink(final_, error)) final_ = fs::weakly_canonical(final_, error);  // keep the link, write its target
     const fs::path folder = folder_of(final_);
@@ -89,14 +101,17 @@ OutputFile::OutputFile(fs::path final_path) : final_(std::move(final_path)) {
     if (::access(folder.c_str(), W_OK | X_OK) != 0)
         throw InvalidInput(fmt::format("cannot write '{}': no permission to write in the folder '{}' ({})",
                                        final_.string(), folder.string(), system_text(errno)));
-    part_ = folder / fmt::format(".{}.part-{}{}", final_.stem().string(), ::getpid(), final_.extension().string());
-    remember(part_.c_str());
+}
+
+void OutputFile::keep() {
+    forget(part_.c_str());
+    kept_ = true;
 }
 
 OutputFile::~OutputFile() {
-    forget(part_.c_str());
+    if (!kept_) forget(part_.c_str());
     std::error_code ignored;
-    if (!committed_) fs::remove(part_, ignored);
+    if (!committed_ && !kept_) fs::remove(part_, ignored);
 }
 
 void OutputFile::flush() {

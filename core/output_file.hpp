@@ -12,12 +12,16 @@ class OutputFile {
  public:
     /// @throws InvalidInput if the folder does not exist or cannot be written to
     explicit OutputFile(std::filesystem::path final_path);
+    /// The same, written at `part`, which is what a later process looks for (see keep()).
+    OutputFile(std::filesystem::path final_path, std::filesystem::path part);
     ~OutputFile();
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
 
     /// Where to write: ".NAME.part-PID" in the folder of the final path, the extension kept.
     const std::filesystem::path& path() const { return part_; }
+    /// From now on the unfinished file outlives this process: another one can go on with it.
+    void keep();
     /// Flushes to disk what was written so far. @throws InvalidInput if that fails (disk full)
     void flush();
     /// Flushes to disk and renames. @throws InvalidInput if either fails (disk full)
@@ -25,7 +29,8 @@ class OutputFile {
 
  private:
     std::filesystem::path final_, part_;
-    bool committed_ = false;
+    void check();
+    bool committed_ = false, kept_ = false;
 };
 
 /// Writes a small text file in one go (atomically). @throws InvalidInput if it cannot be written

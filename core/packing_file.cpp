@@ -1,47 +1,20 @@
 #include "core/packing_file.hpp"
 
 #include <fmt/format.h>
-#include <pwd.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <optional>
 #include <span>
 #include <utility>
 
 #include "core/error.hpp"
 #include "core/hdf5_file.hpp"
 #include "core/output_file.hpp"
-#include "core/xdmf.hpp"
+#include "core/run_file.hpp"
 
 namespace tomodem {
 namespace fs = std::filesystem;
 namespace {
-
-std::string user_name() {
-    const passwd* entry = ::getpwuid(::geteuid());
-    return entry != nullptr && entry->pw_name[0] != '\0' ? entry->pw_name : "unknown";
-}
-
-void write_provenance(Hdf5Writer& writer, const Provenance& provenance) {
-    Hdf5Handle parameters = writer.group(writer.file(), "parameters");
-    Hdf5Handle group = writer.group(parameters, "tomodem");
-    writer.text_dataset(group, "tool", {provenance.tool}, false);
-    writer.text_dataset(group, "version", {provenance.version}, false);
-    writer.text_dataset(group, "command_line", {provenance.command_line}, false);
-    writer.text_dataset(group, "scene", {provenance.scene}, false);
-    writer.text_dataset(group, "unit_system", {"mm g s"}, false);
-    std::vector<std::string> names, digests;
-    for (const auto& [name, digest] : provenance.inputs) {
-        names.push_back(name);
-        digests.push_back(digest);
-    }
-    Hdf5Handle inputs = writer.group(group, "inputs");
-    writer.text_dataset(inputs, "name", names);
-    writer.text_dataset(inputs, "sha256", digests);
-}
 
 void require_finite(std::span<const Vec3> positions, const std::string& where) {
     for (std::size_t i = 0; i < positions.size(); ++i)
@@ -50,22 +23,10 @@ void require_finite(std::span<const Vec3> positions, const std::string& where) {
                 fmt::format("{}: the position of particle {} (counted from 1) is not a finite number", where, i + 1));
 }
 
-/// The arrays of a packing fit together, whoever made it.
-void require_sound(const Packing& packing, const std::string& where) {
-    const std::size_t n = packing.size();
-    const auto fail = [&](const std::string& what) { throw InvalidInput(where + ": " + what); };
-    if (n == 0) fail("there are no particles");
-    if (packing.species.size() != n) fail(fmt::format("{} species for {} positions", packing.species.size(), n));
-    if (packing.id.size() != n) fail(fmt::format("{} ids for {} positions", packing.id.size(), n));
-    if (!packing.object.empty() && packing.object.size() != n)
-        fail(fmt::format("{} object numbers for {} positions", packing.object.size(), n));
-    for (std::size_t i = 1; i < n; ++i)
-        if (packing.id[i] <= packing.id[i - 1])
-            fail(fmt::format("ids are not unique and increasing: {} follows {}", packing.id[i], packing.id[i - 1]));
-    if (!(packing.seed_radius > 0.0) || !std::isfinite(packing.seed_radius))
-        fail(fmt::format("seed_radius {} is not a positive length", packing.seed_radius));
-    if (!packing.box.origin.allFinite() || !packing.box.edges.allFinite() || (packing.box.edges.array() <= 0.0).any())
-        fail("the box does not have three positive edges and a finite origin");
+std::vector<Vec3> vectors(const std::vector<double>& numbers) {
+    std::vector<Vec3> rows(numbers.size() / 3);
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
+    return rows;
 }
 
 constexpr const char* positions_path = "/particles/all/position/value";
@@ -100,6 +61,12 @@ Provenance read_provenance(const Hdf5Reader& reader) {
     return provenance;
 }
 
+/// Places that an unfinished run has filled: steps are negative from there on.
+std::size_t written(const std::vector<std::int64_t>& steps) {
+    return static_cast<std::size_t>(
+        std::find_if(steps.begin(), steps.end(), [](std::int64_t step) { return step < 0; }) - steps.begin());
+}
+
 std::map<std::string, Observable> read_observables(const Hdf5Reader& reader) {
     std::map<std::string, Observable> curves;
     if (!reader.is_group("/observables")) return curves;
@@ -115,6 +82,10 @@ std::map<std::string, Observable> read_observables(const Hdf5Reader& reader) {
         if (curve.step.size() != curve.value.size() || curve.time.size() != curve.value.size())
             reader.fail(fmt::format("{} has {} values, {} steps and {} times", group, curve.value.size(),
                                     curve.step.size(), curve.time.size()));
+        const std::size_t points = written(curve.step);
+        curve.value.resize(points);
+        curve.step.resize(points);
+        curve.time.resize(points);
         curves.emplace(name, std::move(curve));
     }
     return curves;
@@ -158,11 +129,14 @@ RunReader::RunReader(const fs::path& path) {
     if (state_->step.size() != shape[0] || state_->time.size() != shape[0])
         reader.fail(fmt::format("{} has {} frames, but there are {} steps and {} times", positions_path, shape[0],
                                 state_->step.size(), state_->time.size()));
+    state_->step.resize(written(state_->step));
+    state_->time.resize(state_->step.size());
+    if (state_->step.empty()) reader.fail("its first frame is not written yet");
     if (packing.species.size() != shape[1])
         reader.fail(fmt::format("/particles/all/species has {} values but {} has {} rows", packing.species.size(),
                                 positions_path, shape[1]));
     packing.position = frame(0).position;
-    require_sound(packing, reader.failure());
+    require_sound_packing(packing, reader.failure());
     state_->observables = read_observables(reader);
     state_->provenance = read_provenance(reader);
 }
@@ -195,7 +169,7 @@ Frame RunReader::frame(std::size_t index) const {
     if (index >= frame_count())
         state_->reader.fail(fmt::format("there is no frame {}, it has frames 0 to {}", index, frame_count() - 1));
     const auto lock = hdf5_lock();
-    Frame frame{frame_step(index), frame_time(index), state_->reader.frame(positions_path, index)};
+    Frame frame{frame_step(index), frame_time(index), vectors(state_->reader.frame(positions_path, index))};
     require_finite(frame.position, fmt::format("{}, frame {}", state_->reader.failure(), index));
     return frame;
 }
@@ -241,88 +215,36 @@ double value_at(const Observable& curve, double time) {
 }
 
 struct RunWriter::State {
-    State(const Packing& packing, const fs::path& path)
-        : final_path(path),
-          sidecar_path(fs::path(path).replace_extension(".xdmf")),
-          output(path),
-          writer(output.path(), path),
-          particles(packing.size()),
-          has_objects(!packing.object.empty()) {}
-
-    fs::path final_path, sidecar_path;
+    State(const Packing& packing, const fs::path& path, const Provenance& provenance)
+        : path(path), output(path), packing(packing), provenance(provenance) {}
+    fs::path path;
     OutputFile output;
-    Hdf5Writer writer;
-    std::size_t particles;
-    bool has_objects;
-    std::optional<Hdf5Handle> positions;
-    std::vector<std::int64_t> step;
-    std::vector<double> time;
+    Packing packing;
+    Provenance provenance;
+    std::vector<Frame> frames;
     std::map<std::string, Observable> observables;
+
+    std::string failure() const { return fmt::format("cannot write '{}'", path.string()); }
 };
 
 RunWriter::RunWriter(const Packing& packing, const fs::path& path, const Provenance& provenance) {
-    const auto lock = hdf5_lock();
     const std::string failure = fmt::format("cannot write '{}'", path.string());
     if (path.extension() == ".xdmf")
         throw InvalidInput(failure + ": name the HDF5 file (.h5), the .xdmf comes beside it");
-    require_sound(packing, failure);
-
-    state_ = std::make_unique<State>(packing, path);
-    Hdf5Writer& writer = state_->writer;
-    {
-        Hdf5Handle h5md = writer.group(writer.file(), "h5md");
-        const std::int32_t version[] = {1, 1};
-        writer.attribute<std::int32_t>(h5md, "version", version);
-        Hdf5Handle author = writer.group(h5md, "author");
-        writer.attribute(author, "name", user_name());
-        Hdf5Handle creator = writer.group(h5md, "creator");
-        writer.attribute(creator, "name", "tomodem " + provenance.tool);
-        writer.attribute(creator, "version", provenance.version);
-    }
-    write_provenance(writer, provenance);
-
-    Hdf5Handle particles = writer.group(writer.file(), "particles");
-    Hdf5Handle all = writer.group(particles, "all");
-    writer.attribute(all, "seed_radius", packing.seed_radius);
-    writer.attribute(all, "seed_radius_unit", std::string("mm"));
-    writer.attribute(all, "relaxed", std::int32_t{packing.relaxed});
-
-    Hdf5Handle box = writer.group(all, "box");
-    writer.attribute(box, "dimension", std::int32_t{3});
-    std::vector<std::string> boundary;
-    for (const bool periodic : packing.box.periodic) boundary.push_back(periodic ? "periodic" : "none");
-    writer.attribute(box, "boundary", boundary);
-    const Hdf5Handle edges = writer.dataset(box, "edges", {3}, packing.box.edges.data());
-    writer.attribute(edges, "unit", std::string("mm"));
-    const Hdf5Handle origin = writer.dataset(box, "origin", {3}, packing.box.origin.data());
-    writer.attribute(origin, "unit", std::string("mm"));
-
-    const hsize_t n = packing.size();
-    writer.dataset(all, "species", {n}, packing.species.data());
-    writer.dataset(all, "id", {n}, packing.id.data());
-    if (state_->has_objects) writer.dataset(all, "object", {n}, packing.object.data());
-
-    Hdf5Handle position = writer.group(all, "position");
-    state_->positions.emplace(writer.growing_frames(position, "value", n));
-    writer.attribute(*state_->positions, "unit", std::string("mm"));
+    require_sound_packing(packing, failure);
+    state_ = std::make_unique<State>(packing, path, provenance);
 }
 
-RunWriter::~RunWriter() {
-    const auto lock = hdf5_lock();
-    state_.reset();
-}
+RunWriter::~RunWriter() = default;
 
 void RunWriter::add_frame(const Frame& frame) {
-    const auto lock = hdf5_lock();
     const std::string where =
-        fmt::format("{}, frame {} (step {})", state_->writer.failure(), state_->step.size(), frame.step);
-    if (frame.position.size() != state_->particles)
+        fmt::format("{}, frame {} (step {})", state_->failure(), state_->frames.size(), frame.step);
+    if (frame.position.size() != state_->packing.size())
         throw InvalidInput(
-            fmt::format("{}: {} positions for {} particles", where, frame.position.size(), state_->particles));
+            fmt::format("{}: {} positions for {} particles", where, frame.position.size(), state_->packing.size()));
     require_finite(frame.position, where);
-    state_->writer.append_frame(*state_->positions, state_->step.size(), frame.position);
-    state_->step.push_back(frame.step);
-    state_->time.push_back(frame.time);
+    state_->frames.push_back(frame);
 }
 
 void RunWriter::add_observable(const std::string& name, const std::string& unit, std::int64_t step, double time,
@@ -334,50 +256,28 @@ void RunWriter::add_observable(const std::string& name, const std::string& unit,
 }
 
 void RunWriter::commit() {
-    const auto lock = hdf5_lock();
-    Hdf5Writer& writer = state_->writer;
-    if (state_->step.empty()) throw InvalidInput(writer.failure() + ": the run has no frame");
-
-    const auto series = [&](hid_t group, const std::vector<std::int64_t>& step, const std::vector<double>& time) {
-        writer.dataset(group, "step", {step.size()}, step.data());
-        const Hdf5Handle times = writer.dataset(group, "time", {time.size()}, time.data());
-        writer.attribute(times, "unit", std::string("s"));
-    };
-    {
-        const Hdf5Handle position = writer.open_group("/particles/all/position");
-        series(position, state_->step, state_->time);
+    if (state_->frames.empty()) throw InvalidInput(state_->failure() + ": the run has no frame");
+    RunShape shape{state_->frames.size(), {}, {}};
+    for (const auto& [name, curve] : state_->observables)
+        shape.curves.push_back({name, curve.unit, curve.value.size()});
+    create_run_file(state_->packing, shape, state_->provenance, state_->output.path(), state_->path);
+    RunFile file(state_->output.path(), state_->path);
+    std::vector<double> times;
+    for (const Frame& frame : state_->frames) {
+        file.write_rows(position_field, times.size(), 0, {frame.position.front().data(), 3 * frame.position.size()});
+        file.mark_frame(times.size(), frame.step, frame.time);
+        times.push_back(frame.time);
     }
-    if (!state_->observables.empty()) {
-        const Hdf5Handle group = writer.group(writer.file(), "observables");
-        for (const auto& [name, curve] : state_->observables) {
-            const Hdf5Handle one = writer.group(group, name.c_str());
-            writer.attribute(one, "unit", curve.unit);
-            const Hdf5Handle value = writer.dataset(one, "value", {curve.value.size()}, curve.value.data());
-            writer.attribute(value, "unit", curve.unit);
-            series(one, curve.step, curve.time);
-        }
-    }
-    state_->positions.reset();
-    {
-        const Hdf5Handle views = writer.group(writer.file(), "xdmf");
-        std::vector<std::int32_t> vertex(state_->particles);
-        std::iota(vertex.begin(), vertex.end(), 0);
-        writer.dataset(views, "vertex", {vertex.size()}, vertex.data());
-        for (std::size_t f = 0; f < state_->step.size(); ++f)
-            writer.frame_view(views, fmt::format("position_{}", f), positions_path, f, state_->step.size(),
-                              state_->particles);
-    }
-    writer.close();
+    for (const auto& [name, curve] : state_->observables)
+        for (std::size_t i = 0; i < curve.value.size(); ++i)
+            file.write_point(name, i, curve.step[i], curve.time[i], curve.value[i]);
+    file.close();
     state_->output.flush();
 
     // A sidecar never stands beside a file it does not describe: the old one goes first, the new one comes last.
-    std::error_code ignored;
-    fs::remove(state_->sidecar_path, ignored);
+    remove_sidecar(state_->path);
     state_->output.commit();
-    write_text(state_->sidecar_path, xdmf_text({.h5_name = state_->final_path.filename().string(),
-                                                .particles = state_->particles,
-                                                .times = state_->time,
-                                                .has_objects = state_->has_objects}));
+    write_sidecar(state_->packing, times, state_->path);
 }
 
 void write_packing(const Packing& packing, const fs::path& path, const Provenance& provenance) {

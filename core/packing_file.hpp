@@ -68,7 +68,7 @@ class RunReader {
 /// Value of `curve` at `time`, linear between its points, constant beyond its ends.
 double value_at(const Observable& curve, double time);
 
-/// Writes a run frame by frame; the file (and its .xdmf) appears at commit().
+/// Writes a small run, collected in memory; the file (and its .xdmf) appears at commit(). The solver fills a RunFile.
 class RunWriter {
  public:
     RunWriter(const Packing& packing, const std::filesystem::path& path, const Provenance& provenance);

@@ -378,6 +378,12 @@ void read_accuracy(TableReader reader, Scene& scene) {
     reader.refuse_unknown();
 }
 
+void read_output(TableReader reader, Scene& scene) {
+    scene.write_velocity = reader.boolean("velocity").value_or(false);
+    scene.write_stress = reader.boolean("stress").value_or(false);
+    reader.refuse_unknown();
+}
+
 void read_contact(TableReader reader, Scene& scene) {
     scene.self_contact = reader.boolean("self_contact").value_or(false);
     scene.between_objects = reader.boolean("between_objects").value_or(false);
@@ -495,6 +501,7 @@ Scene parse_scene(const std::string& text, const std::string& name) {
     reader.get("load");
     read_load(*reader.table("load", "[load]"), name, scene);
     if (auto accuracy = reader.table("accuracy", "[accuracy]")) read_accuracy(*accuracy, scene);
+    if (auto output = reader.table("output", "[output]")) read_output(*output, scene);
     reader.refuse_unknown();
     check_loads_against_laws(scene, reader);
     return scene;

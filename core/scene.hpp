@@ -101,6 +101,9 @@ struct Scene {
     double averaging_strain = 0.01;   ///< window of the forces [-]
     std::int64_t frames = 30;         ///< frames after the initial one, equally spaced in strain
 
+    bool write_velocity = false;  ///< of each particle, in every frame
+    bool write_stress = false;    ///< of each particle, mean over the averaging window before each frame
+
     Law law() const { return phases.front().law; }
     const Phase& phase(std::int32_t label) const;  ///< @throws InvalidInput if no phase has it
     double highest_rate() const;

@@ -194,4 +194,29 @@ double CrownPair::seed_energy() {
     return energy;
 }
 
+void CrownPair::tell_forces(const double* velocity,
+                            const std::function<void(int, int, const double*, const double*)>& tell) {
+    const ContactMemory* const memory = contact_ == nullptr ? nullptr : &contact_->memory();
+    for_each_pair([&](int i, int j) {
+        law::Pair law = laws_.of_types[(atom->type[i] - 1) * laws_.type_count + atom->type[j] - 1];
+        if (laws_.dispersed) {
+            law.crown_distance = atom->radius[i] + atom->radius[j];
+            law.seed_distance = law.crown_distance * laws_.seed_to_crown;
+        }
+        double apart[3], squared = 0, rate = 0;
+        for (int c = 0; c < 3; ++c) {
+            apart[c] = atom->x[i][c] - atom->x[j][c];
+            squared += apart[c] * apart[c];
+            rate += apart[c] * (velocity[3 * i + c] - velocity[3 * j + c]);
+        }
+        if (squared > law.crown_distance * law.crown_distance) return;
+        const bool same_object = object_ == nullptr || object_[atom->tag[i] - 1] == object_[atom->tag[j] - 1];
+        if (!same_object || (memory != nullptr && memory->is_interface(i, atom->tag[j]))) law.greatest_attraction = 0;
+        const double distance = std::sqrt(squared);
+        const double over_distance = law::pair_force(law, distance, rate) / distance;
+        const double force[3] = {over_distance * apart[0], over_distance * apart[1], over_distance * apart[2]};
+        tell(i, j, force, apart);
+    });
+}
+
 }  // namespace tomodem::plugin

@@ -12,6 +12,11 @@ int FixPlanes::setmask() {
     return FixConst::POST_FORCE;
 }
 
+double FixPlanes::half_gap_at(bigint step) const {
+    const double time = update->dt * static_cast<double>(step - motion_.first_step);
+    return 0.5 * motion_.initial_height * std::exp(motion_.segment.strain_at(time)) + motion_.seed_radius;
+}
+
 FixPlanes::Forces FixPlanes::take_forces() {
     const Forces taken = forces_;
     forces_ = {};
@@ -39,6 +44,7 @@ double FixPlanes::press(const std::vector<int>& candidates, double plane, double
         const double normal_force = wall_force(laws_, *atom, i, distance, inward * (atom->v[i][2] - velocity));
         atom->f[i][2] += inward * normal_force;
         total += normal_force;
+        if (tally_step_ == update->ntimestep) tally_[static_cast<std::size_t>(i)] -= normal_force * distance;
     }
     return total;
 }
@@ -56,7 +62,7 @@ void FixPlanes::take_along(double time) {
 void FixPlanes::post_force(int) {
     const LoadSegment& segment = motion_.segment;
     const double time = update->dt * static_cast<double>(update->ntimestep - motion_.first_step);
-    const double half_gap = 0.5 * motion_.initial_height * std::exp(segment.strain_at(time)) + motion_.seed_radius;
+    const double half_gap = half_gap_at(update->ntimestep);
     const double low = motion_.centre[2] - half_gap, high = motion_.centre[2] + half_gap;
     // The particles hold their half-step velocities when forces are computed: so do the planes.
     const double half_step = time - 0.5 * update->dt;
@@ -67,6 +73,7 @@ void FixPlanes::post_force(int) {
     const bool outrun = std::abs(high - chosen_high_) > 0.5 * neighbor->skin;
     if (neighbor->ago == 0 || update->setupflag || outrun) choose_candidates(low, high);
 
+    if (tally_step_ == update->ntimestep) tally_.assign(static_cast<std::size_t>(atom->nlocal), 0.0);
     const double on_bottom = press(near_low_, low, -velocity, 1);
     const double on_top = press(near_high_, high, velocity, -1);
     if (segment.affine) take_along(time);

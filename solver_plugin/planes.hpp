@@ -32,8 +32,15 @@ class FixPlanes : public LAMMPS_NS::Fix {
     void use(std::vector<law::Wall> laws) { laws_ = std::move(laws); }
     void move(const Motion& motion) { motion_ = motion; }
     const Motion& motion() const { return motion_; }
+    /// Distance of the planes from the middle.
+    double half_gap_at(LAMMPS_NS::bigint step) const;
     /// This process' share; the sum over processes is the force.
     Forces take_forces();
+
+    /// In that step, sums force times lever (from the centre to the plane) of each particle: the planes' part of its
+    /// stress, zz alone.
+    void tally_at(LAMMPS_NS::bigint step) { tally_step_ = step; }
+    double tallied(int i) const { return tally_[static_cast<std::size_t>(i)]; }
 
     int setmask() override;
     void setup(int flag) override { post_force(flag); }
@@ -48,6 +55,8 @@ class FixPlanes : public LAMMPS_NS::Fix {
     Forces forces_;
     std::vector<law::Wall> laws_;
     std::vector<int> near_low_, near_high_;
+    LAMMPS_NS::bigint tally_step_ = -1;
+    std::vector<double> tally_;
     double chosen_low_ = 0, chosen_high_ = 0;
 };
 

@@ -1,5 +1,4 @@
 #pragma once
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -9,7 +8,8 @@ namespace tomodem::plugin {
 
 /// One LIGGGHTS with tomodem's styles, driven by its input commands and silent on the screen.
 ///
-/// LIGGGHTS ends the process itself on an error; its message then reaches stderr as one line of ours.
+/// An error of LIGGGHTS becomes an InvalidInput on every process. Where only some processes meet it, so that the others
+/// wait for them for ever, one line on stderr says so and all are ended.
 class Session {
  public:
     explicit Session(MPI_Comm communicator);
@@ -20,8 +20,10 @@ class Session {
     void command(const std::string& line);
     LAMMPS_NS::LAMMPS& lmp() { return *lmp_; }
 
+    /// What that line ends with: where the run is kept.
+    static void advise(const std::string& text);
+
  private:
-    std::filesystem::path log_;
     std::unique_ptr<LAMMPS_NS::LAMMPS> lmp_;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "core/law/bilin_flow.hpp"
 #include "solver_plugin/crown_pair.hpp"
 #include "solver_plugin/fix_contact.hpp"
+#include "solver_plugin/fix_watch.hpp"
 #include "solver_plugin/lateral_box.hpp"
 #include "solver_plugin/planes.hpp"
 #include "solver_plugin/session.hpp"
@@ -61,22 +63,30 @@ struct Simulation::State {
     LoadSegment segment;             ///< the present one
     std::int64_t segment_start = 0;  ///< its first step
     CrownPair* pair = nullptr;
+    FixWatch* watch = nullptr;
     FixContact* contact = nullptr;
     std::vector<std::int32_t> object;  ///< by id - 1, where the law looks at it
     std::vector<double> hardening;     ///< factor of each phase at present
     bool relaxing = false;
     bool loading = false;
-    std::int64_t loading_start = 0;  ///< step
-    bool ready = false;              ///< LIGGGHTS is set up for the present masses, planes and walls
+    std::int64_t loading_start = 0;      ///< step
+    bool ready = false;                  ///< LIGGGHTS is set up for the present masses, planes and walls
+    double sample_volume = 0;            ///< of the sample's box, in its own lengths
+    std::int64_t builds_before = 0;      ///< neighbour builds before the last set-up
+    std::vector<double> radius_factors;  ///< by row; empty: all 1
 
     State(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
         : communicator(communicator), model(model), axis(axis), session(communicator) {
         MPI_Comm_rank(communicator, &rank);
         scale = model.seed_radius / sample.seed_radius;
         count = static_cast<std::int64_t>(sample.size());
+        sample_volume = sample.box.volume();
         if (model.between_objects) object = sample.object;
         for (const PhaseModel& phase : model.phases)
             hardening.push_back(phase.hardening ? phase.hardening->factor(0) : 1.0);
+        if (model.radius_dispersion > 0)
+            for (const std::int64_t id : sample.id)
+                radius_factors.push_back(radius_factor(id, model.radius_dispersion));
     }
 
     LAMMPS_NS::Atom& atom() { return *session.lmp().atom; }
@@ -87,6 +97,13 @@ struct Simulation::State {
     Vec3 to_solver(const Vec3& point) const {
         const Vec3 local = scale * (point - centre);
         return {local[turned(0)], local[turned(1)], local[turned(2)]};
+    }
+
+    /// Where a particle is that periodic sides have not moved.
+    Vec3 unwrapped(int i) {
+        Vec3 point;
+        session.lmp().domain->unmap(atom().x[i], atom().image[i], point.data());
+        return point;
     }
 
     /// Turns a vector of the solver back to the sample's axes, without scaling.
@@ -112,6 +129,12 @@ struct Simulation::State {
         for (std::size_t k = 0; k < model.phases.size(); ++k)
             if (model.phases[k].label == label) return static_cast<int>(k) + 1;
         throw InvalidInput(fmt::format("the model has no phase with label {}", label));
+    }
+
+    void add_planes() {
+        if (planes != nullptr) return;
+        session.command("fix planes all tomodem/planes");
+        planes = static_cast<FixPlanes*>(session.lmp().modify->find_fix_id("planes"));
     }
 
     /// Laws of all pairs of types with the present strength of each phase.
@@ -152,6 +175,7 @@ struct Simulation::State {
 
     void remember_contacts() {
         session.command("fix contact all tomodem/contact");
+        ready = false;  // the pair style finds it when it is set up
         contact = static_cast<FixContact*>(session.lmp().modify->find_fix_id("contact"));
         contact->memory().set_law({.least_outward = law::SelfContact::outward_over_seed * model.seed_radius});
         if (std::isfinite(model.healing_time)) contact->heal_after(std::llround(model.healing_time / model.time_step));
@@ -181,15 +205,7 @@ struct Simulation::State {
         }
     }
 
-    /// With the first plane or wall: what counts from the start of the loading begins.
-    void begin_loading() {
-        // Pairs that form before, while the free sample comes to rest, are internal.
-        if (model.self_contact && contact == nullptr) remember_contacts();
-        loading_start = session.lmp().update->ntimestep;
-    }
-
     void create_particles(const Packing& sample) {
-        LAMMPS_NS::Atom& atoms = atom();
         const LAMMPS_NS::Domain& domain = *session.lmp().domain;
         for (std::size_t k = 0; k < sample.size(); ++k) {
             Vec3 point = to_solver(sample.position[k]);
@@ -201,12 +217,21 @@ struct Simulation::State {
             bool mine = true;
             for (int c = 0; c < 3; ++c) mine = mine && point[c] >= domain.sublo[c] && point[c] < domain.subhi[c];
             if (!mine) continue;
-            const int type = type_of(sample.species[k]);
-            atoms.avec->create_atom(type, point.data());
-            const int i = atoms.nlocal - 1;
-            atoms.tag[i] = static_cast<int>(k) + 1;
-            atoms.radius[i] = model.crown_radius * radius_factor(sample.id[k], model.radius_dispersion);
+            create_particle(type_of(sample.species[k]), static_cast<int>(k) + 1, point.data());
         }
+        count_particles();
+    }
+
+    void create_particle(int type, int tag, double* point) {
+        LAMMPS_NS::Atom& atoms = atom();
+        atoms.avec->create_atom(type, point);
+        const int i = atoms.nlocal - 1;
+        atoms.tag[i] = tag;
+        atoms.radius[i] = model.crown_radius * (radius_factors.empty() ? 1.0 : radius_factors[tag - 1]);
+    }
+
+    void count_particles() {
+        LAMMPS_NS::Atom& atoms = atom();
         atoms.natoms = static_cast<LAMMPS_NS::bigint>(std::llround(total(atoms.nlocal)));
         if (atoms.natoms != count)
             throw InvalidInput(
@@ -238,6 +263,52 @@ struct Simulation::State {
             atoms.density[i] = atoms.rmass[i] / crown_volume;
         }
         ready = false;
+    }
+
+    void set_up_if_needed() {
+        if (ready) return;
+        builds_before += session.lmp().neighbor->ncalls;
+        session.command("run 0 post no");
+        ready = true;
+    }
+
+    /// Deals `components` values of each local particle out to the processes that hold their rows.
+    RowBlock rows(int components, const std::vector<double>& local) {
+        LAMMPS_NS::Atom& atoms = atom();
+        int processes = 1;
+        MPI_Comm_size(communicator, &processes);
+        std::vector<std::size_t> first(processes + 1);
+        for (int p = 0; p <= processes; ++p) first[p] = first_row(count, p, processes);
+        const auto owner = [&](int tag) {
+            const auto row = static_cast<std::size_t>(tag - 1);
+            return static_cast<int>(std::upper_bound(first.begin(), first.end(), row) - first.begin()) - 1;
+        };
+        const int width = components + 1;  // with the tag, which a double holds exactly
+        std::vector<int> sizes(processes, 0), received(processes), from(processes, 0), to(processes, 0);
+        for (int i = 0; i < atoms.nlocal; ++i) sizes[owner(atoms.tag[i])] += width;
+        MPI_Alltoall(sizes.data(), 1, MPI_INT, received.data(), 1, MPI_INT, communicator);
+        for (int p = 1; p < processes; ++p) {
+            from[p] = from[p - 1] + sizes[p - 1];
+            to[p] = to[p - 1] + received[p - 1];
+        }
+        std::vector<double> out(static_cast<std::size_t>(width) * atoms.nlocal);
+        std::vector<double> in(static_cast<std::size_t>(to.back()) + received.back());
+        std::vector<int> next = from;
+        for (int i = 0; i < atoms.nlocal; ++i) {
+            double* const record = out.data() + next[owner(atoms.tag[i])];
+            next[owner(atoms.tag[i])] += width;
+            record[0] = atoms.tag[i];
+            std::copy_n(local.data() + static_cast<std::size_t>(components) * i, components, record + 1);
+        }
+        MPI_Alltoallv(out.data(), sizes.data(), from.data(), MPI_DOUBLE, in.data(), received.data(), to.data(),
+                      MPI_DOUBLE, communicator);
+        RowBlock block{first[rank], components, {}};
+        block.values.resize((first[rank + 1] - first[rank]) * components);
+        for (std::size_t k = 0; k < in.size(); k += width) {
+            const std::size_t row = static_cast<std::size_t>(in[k]) - 1 - first[rank];
+            std::copy_n(in.data() + k + 1, components, block.values.data() + row * components);
+        }
+        return block;
     }
 
     /// Vectors of the local particles, in the order of the sample, on the first process.
@@ -326,6 +397,8 @@ Simulation::Simulation(const Packing& sample, const Model& model, int load_axis,
     command("pair_coeff * *");
     command(fmt::format("timestep {:.17g}", model.time_step));
     command("fix integration all tomodem/integrate");
+    command("fix watch all tomodem/watch");
+    s.watch = static_cast<FixWatch*>(s.session.lmp().modify->find_fix_id("watch"));
     command("thermo_style custom step atoms");
     command("thermo_modify lost ignore norm no");
     command("thermo 0");
@@ -377,11 +450,7 @@ void Simulation::place_planes() {
         low = s.face(low, high, in_layer, 1) - layer;
         high = s.face(low, high, in_layer, -1) + layer;
     }
-    if (s.planes == nullptr) {
-        s.session.command("fix planes all tomodem/planes");
-        s.planes = static_cast<FixPlanes*>(s.session.lmp().modify->find_fix_id("planes"));
-    }
-    s.begin_loading();
+    s.add_planes();
     FixPlanes::Motion motion;
     if (s.model.lateral != Lateral::free) {
         s.session.command("fix sides all tomodem/lateral");
@@ -416,7 +485,6 @@ std::int64_t Simulation::place_wall(const TriangleMesh& mesh, const Wall& wall) 
     motion.stop = wall.stop;
     fix->place(placed, motion);
     s.surfaces.push_back(fix);
-    s.begin_loading();
     s.use_laws();
     s.ready = false;
     return std::llround(s.total(static_cast<double>(fix->particles_within(0.5 * s.model.seed_radius))));
@@ -430,6 +498,8 @@ void Simulation::set_loading(const LoadSegment& segment) {
         // Walls stand still, and forces do not count, while the sample comes to rest between them.
         s.loading = true;
         s.loading_start = step();
+        // Pairs that form before, while the sample comes to rest, are internal.
+        if (s.model.self_contact) s.remember_contacts();
         for (FixSurface* surface : s.surfaces) surface->start(step());
         take_forces();
         take_wall_forces();
@@ -443,14 +513,22 @@ void Simulation::set_loading(const LoadSegment& segment) {
     if (segment.noise > 0) s.shake(segment.noise * 2 * s.model.seed_radius);
 }
 
-void Simulation::run(std::int64_t steps) {
+void Simulation::run(std::int64_t steps, const Watch& watch) {
     State& s = *state_;
-    if (!s.ready) s.session.command("run 0 post no");
-    s.ready = true;
+    s.set_up_if_needed();
     // While the sample comes to rest between planes that stand still, the sides do too.
     if (s.loading && s.sides != nullptr && s.model.lateral == Lateral::periodic) s.steer_sides();
     if (!s.relaxing) s.harden(static_cast<double>(step() + steps / 2 - s.loading_start) * s.model.time_step);
-    s.session.command(fmt::format("run {} pre no post no", steps));
+    s.watch->call(watch);
+    constexpr std::int64_t most = 1'000'000'000;  // LIGGGHTS counts the steps of one run in an int
+    for (std::int64_t left = steps; left > 0; left -= most)
+        s.session.command(fmt::format("run {} pre no post no", std::min(left, most)));
+    s.watch->call({});
+}
+
+void Simulation::run_to_stress_sample(std::int64_t steps, const Watch& watch) {
+    if (state_->planes != nullptr) state_->planes->tally_at(step() + steps);
+    run(steps, watch);
 }
 
 std::int64_t Simulation::step() const {
@@ -519,18 +597,186 @@ std::int64_t Simulation::particles() const {
     return std::llround(state_->total(state_->atom().nlocal));
 }
 
+std::int64_t Simulation::particles_behind_planes() const {
+    const State& s = *state_;
+    if (s.planes == nullptr) return 0;
+    const double half_gap = s.planes->half_gap_at(step()), centre = s.planes->motion().centre[2];
+    const LAMMPS_NS::Atom& atoms = state_->atom();
+    double behind = 0;
+    for (int i = 0; i < atoms.nlocal; ++i) behind += std::abs(atoms.x[i][2] - centre) > half_gap;
+    return std::llround(state_->total(behind));
+}
+
 std::int64_t Simulation::neighbour_builds() const {
-    return state_->session.lmp().neighbor->ncalls;
+    return state_->builds_before + state_->session.lmp().neighbor->ncalls;
+}
+
+void Simulation::advise(const std::string& text) {
+    Session::advise(text);
+}
+
+void Simulation::save(Checkpoint& checkpoint) const {
+    State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    const LAMMPS_NS::Domain& domain = *s.session.lmp().domain;
+    const auto mine = static_cast<std::size_t>(atoms.nlocal);
+    ParticleState& particles = checkpoint.particles;
+    particles.tag.assign(atoms.tag, atoms.tag + mine);
+    particles.type.assign(atoms.type, atoms.type + mine);
+    particles.position.assign(mine > 0 ? atoms.x[0] : nullptr, mine > 0 ? atoms.x[0] + 3 * mine : nullptr);
+    particles.velocity.assign(mine > 0 ? atoms.v[0] : nullptr, mine > 0 ? atoms.v[0] + 3 * mine : nullptr);
+    particles.memory_length.assign(mine, 0);
+    particles.memory.clear();
+    for (std::size_t i = 0; s.contact != nullptr && i < mine; ++i) {
+        const ContactMemory& memory = s.contact->memory();
+        const std::size_t before = particles.memory.size();
+        for (int c = 0; c < 3; ++c) particles.memory.push_back(std::bit_cast<std::int64_t>(memory.outward()[i][c]));
+        for (const auto& one : memory.interfaces(static_cast<int>(i)))
+            particles.memory.insert(particles.memory.end(), {one.partner, one.since});
+        particles.memory_length[i] = static_cast<std::int32_t>(particles.memory.size() - before);
+    }
+    checkpoint.numbers["solver_loading_start"] = {static_cast<double>(s.loading_start)};
+    checkpoint.numbers["solver_hardening"] = s.hardening;
+    checkpoint.numbers["solver_loading"] = {static_cast<double>(s.loading)};
+    checkpoint.numbers["solver_step"] = {static_cast<double>(step())};
+    checkpoint.numbers["solver_box"] = {domain.boxlo[0], domain.boxlo[1], domain.boxlo[2],
+                                        domain.boxhi[0], domain.boxhi[1], domain.boxhi[2]};
+    if (s.planes != nullptr)
+        checkpoint.numbers["solver_planes"] = {s.planes->motion().centre[0], s.planes->motion().centre[1],
+                                               s.planes->motion().centre[2], s.planes->motion().initial_height};
+}
+
+void Simulation::restore(const FoundCheckpoint& found) {
+    State& s = *state_;
+    const ParticleState& particles = found.checkpoint.particles;
+    LAMMPS_NS::Atom& atoms = s.atom();
+    LAMMPS_NS::Domain& domain = *s.session.lmp().domain;
+    atoms.map_clear();
+    atoms.nlocal = atoms.nghost = 0;
+    for (std::size_t k = 0; k < particles.tag.size(); ++k) {
+        double point[3];
+        std::copy_n(particles.position.data() + 3 * k, 3, point);
+        s.create_particle(particles.type[k], particles.tag[k], point);
+        std::copy_n(particles.velocity.data() + 3 * k, 3, atoms.v[atoms.nlocal - 1]);
+    }
+    s.count_particles();
+    s.hardening = found.checkpoint.numbers.at("solver_hardening");
+    s.loading_start = static_cast<std::int64_t>(found.checkpoint.number("solver_loading_start"));
+    s.loading = found.checkpoint.number("solver_loading") != 0;
+    for (FixSurface* surface : s.surfaces)
+        if (s.loading) surface->start(s.loading_start);
+    rest();
+    if (s.model.self_contact && s.loading) s.remember_contacts();
+    if (s.contact != nullptr) {
+        ContactMemory& memory = s.contact->memory();
+        memory.resize(atoms.nlocal, 0);
+        const std::int64_t* word = particles.memory.data();
+        for (int i = 0; i < atoms.nlocal; ++i) {
+            for (int c = 0; c < 3; ++c) memory.outward()[i][c] = std::bit_cast<double>(*word++);
+            auto& interfaces = memory.interfaces(i);
+            interfaces.resize(static_cast<std::size_t>(particles.memory_length[i] - 3) / 2);
+            for (auto& one : interfaces) {
+                one.partner = *word++;
+                one.since = *word++;
+            }
+        }
+    }
+    const std::vector<double>& box = found.checkpoint.numbers.at("solver_box");
+    std::copy_n(box.data(), 3, domain.boxlo);
+    std::copy_n(box.data() + 3, 3, domain.boxhi);
+    domain.set_global_box();
+    domain.set_local_box();
+    if (!found.same_processes) LAMMPS_NS::Irregular(&s.session.lmp()).migrate_atoms();
+    set_step(static_cast<std::int64_t>(found.checkpoint.number("solver_step")));
+    if (const auto planes = found.checkpoint.numbers.find("solver_planes"); planes != found.checkpoint.numbers.end()) {
+        s.add_planes();
+        FixPlanes::Motion motion;
+        std::copy_n(planes->second.data(), 3, motion.centre);
+        motion.initial_height = planes->second.at(3);
+        motion.seed_radius = s.model.seed_radius;
+        motion.first_step = step();
+        s.planes->move(motion);
+    }
+    s.use_laws();
+    s.ready = false;
+}
+
+void Simulation::rest() {
+    // Masses that hardened step by step have rounding errors of their own.
+    state_->set_masses([](const PhaseModel& phase) { return phase.natural_period; });
+}
+
+void Simulation::set_step(std::int64_t step) {
+    state_->session.command(fmt::format("reset_timestep {}", step));
+}
+
+RowBlock Simulation::position_rows() const {
+    State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    std::vector<double> values;
+    values.reserve(3 * static_cast<std::size_t>(atoms.nlocal));
+    for (int i = 0; i < atoms.nlocal; ++i) {
+        const Vec3 point = s.centre + s.turned_back(s.unwrapped(i)) / s.scale;
+        values.insert(values.end(), point.begin(), point.end());
+    }
+    return s.rows(3, values);
+}
+
+RowBlock Simulation::velocity_rows() const {
+    State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    std::vector<double> values;
+    values.reserve(3 * static_cast<std::size_t>(atoms.nlocal));
+    for (int i = 0; i < atoms.nlocal; ++i) {
+        const Vec3 velocity = s.turned_back(Vec3(atoms.v[i])) / s.scale;
+        values.insert(values.end(), velocity.begin(), velocity.end());
+    }
+    return s.rows(3, values);
+}
+
+double Simulation::volume_per_particle() const {
+    return state_->sample_volume / static_cast<double>(state_->count);
+}
+
+RowBlock Simulation::stress_rows() const {
+    State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    const auto mine = static_cast<std::size_t>(atoms.nlocal), all = mine + static_cast<std::size_t>(atoms.nghost);
+    // The laws saw half-step velocities: ghosts still have them, the particles of this process got half a kick since.
+    std::vector<double> velocity(3 * all);
+    for (std::size_t i = 0; i < all; ++i)
+        for (int c = 0; c < 3; ++c) {
+            const double kick = i < mine ? 0.5 * s.model.time_step / atoms.rmass[i] * atoms.f[i][c] : 0.0;
+            velocity[3 * i + c] = atoms.v[i][c] - kick;
+        }
+    constexpr int first[] = {0, 1, 2, 0, 0, 1}, second[] = {0, 1, 2, 1, 2, 2};
+    const double over_volume = 1 / (volume_per_particle() * std::pow(s.scale, 3));
+    std::vector<double> values(6 * mine);
+    s.pair->tell_forces(velocity.data(), [&](int i, int j, const double* force, const double* apart) {
+        for (int k = 0; k < 6; ++k) {
+            // From the centre to the contact it is half the way to the neighbour.
+            const double part = -0.5 * force[first[k]] * apart[second[k]] * over_volume;
+            values[6 * static_cast<std::size_t>(i) + k] += part;
+            if (j < atoms.nlocal) values[6 * static_cast<std::size_t>(j) + k] += part;
+        }
+    });
+    for (std::size_t i = 0; i < mine; ++i) {
+        if (s.planes != nullptr) values[6 * i + 2] += s.planes->tallied(static_cast<int>(i)) * over_volume;
+        double turned[3][3];
+        for (int k = 0; k < 6; ++k)
+            turned[s.turned(first[k])][s.turned(second[k])] = turned[s.turned(second[k])][s.turned(first[k])] =
+                values[6 * i + k];
+        for (int k = 0; k < 6; ++k) values[6 * i + k] = turned[first[k]][second[k]];
+    }
+    return s.rows(6, values);
 }
 
 std::vector<Vec3> Simulation::positions() const {
     State& s = *state_;
-    std::vector<Vec3> unwrapped(s.atom().nlocal);
+    std::vector<Vec3> unwrapped;
+    for (int i = 0; i < s.atom().nlocal; ++i) unwrapped.push_back(s.unwrapped(i));
     std::vector<double*> rows;
-    for (std::size_t i = 0; i < unwrapped.size(); ++i) {
-        s.session.lmp().domain->unmap(s.atom().x[i], s.atom().image[i], unwrapped[i].data());
-        rows.push_back(unwrapped[i].data());
-    }
+    for (Vec3& point : unwrapped) rows.push_back(point.data());
     std::vector<Vec3> points = s.gather(rows.data());
     for (Vec3& point : points) point = s.centre + s.turned_back(point) / s.scale;
     return points;
@@ -541,8 +787,8 @@ std::vector<Vec3> Simulation::forces_at(const std::vector<Vec3>& velocities) {
     LAMMPS_NS::Atom& atoms = s.atom();
     for (int i = 0; i < atoms.nlocal; ++i)
         for (int c = 0; c < 3; ++c) atoms.v[i][c] = s.scale * velocities[atoms.tag[i] - 1][s.turned(c)];
-    s.session.command("run 0 post no");
-    s.ready = true;
+    s.ready = false;
+    s.set_up_if_needed();
     std::vector<Vec3> forces = s.gather(atoms.f);
     for (Vec3& force : forces) force = s.turned_back(force) / (s.scale * s.scale);
     return forces;

@@ -2,14 +2,17 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/load_path.hpp"
 #include "core/mesh.hpp"
 #include "core/model.hpp"
 #include "core/packing.hpp"
+#include "solver_plugin/checkpoint.hpp"
 
 /// A sample inside LIGGGHTS. No LIGGGHTS header is needed to use it.
 namespace tomodem::plugin {
@@ -53,7 +56,12 @@ class Simulation {
     /// Begins a segment of the loading with the next step; gives the particles its random velocities.
     void set_loading(const LoadSegment& segment);
 
-    void run(std::int64_t steps);
+    /// Called between steps: returns after how many it wants to be called again, or throws, which ends the run in
+    /// disorder: the simulation is not to be used any more.
+    using Watch = std::function<std::int64_t()>;
+    void run(std::int64_t steps, const Watch& watch = {});
+    /// As run(), with the stress of every particle in the last step ready for stress_rows().
+    void run_to_stress_sample(std::int64_t steps, const Watch& watch = {});
     std::int64_t step() const;
     double strain() const;
     PlaneForces take_forces();
@@ -66,10 +74,35 @@ class Simulation {
     std::optional<double> periodic_section() const;
     double initial_height() const;  ///< H0 [mm] of the sample's own lengths
     std::int64_t particles() const;
+    /// Particles whose centre a plane has passed.
+    std::int64_t particles_behind_planes() const;
     std::int64_t neighbour_builds() const;
 
-    /// Positions in the order of the sample's particles, on the first process; empty elsewhere. Periodic sides do not
-    /// cut them: a particle that leaves goes on outside.
+    /// What the line ends with that the user sees when LIGGGHTS fails on one process alone.
+    void advise(const std::string& text);
+
+    /// Saves what restore() needs, under the names that begin with "solver".
+    void save(Checkpoint& checkpoint) const;
+    /// Takes the particles, the planes and the step of a checkpoint instead of its own. The next run sets LIGGGHTS up
+    /// anew, as it does after rest(): from there on both give the same numbers, on the same number of processes.
+    void restore(const FoundCheckpoint& found);
+    /// The next run sets LIGGGHTS up anew from the particles as they are.
+    void rest();
+    /// Counts on from another step; what moves with the time starts from there when it is set next.
+    void set_step(std::int64_t step);
+
+    /// Values by row, that is in the order of the sample's particles: each process gets its block of rows, in the
+    /// sample's axes.
+    RowBlock position_rows() const;  ///< mm
+    RowBlock velocity_rows() const;  ///< mm/s
+    /// Stress at the last step, which must be a sample: xx yy zz xy xz yz [Pa], tension positive, as the laws saw it
+    /// there. The volume is volume_per_particle().
+    /// sigma_ab = 1/V sum f_a l_b over the contacts of a particle, planes included (thesis eq. 8.12).
+    RowBlock stress_rows() const;
+    /// Volume of the sample's box over the number of its particles [mm^3].
+    double volume_per_particle() const;
+
+    /// Positions in the order of the sample's particles, on the first process; empty elsewhere.
     std::vector<Vec3> positions() const;
 
     /// Sets velocities [mm/s] (in the order of the sample) and returns the forces [uN] at this moment, on the first

@@ -1,6 +1,8 @@
 // solve: press a sample as a scene says, on LIGGGHTS, and write its frames and curves.
 #include "solver_plugin/solver.hpp"
 
+#include <fmt/format.h>
+
 #include "core/cli.hpp"
 #include "core/packing_file.hpp"
 #include "solver_plugin/mpi_tool.hpp"
@@ -11,6 +13,7 @@ using namespace tomodem;
 
 struct Request {
     std::filesystem::path sample, scene, run;
+    RunControl control;
 };
 
 cli::Usage usage(Request& request) {
@@ -18,7 +21,12 @@ cli::Usage usage(Request& request) {
         .input("SAMPLE", request.sample, "sample of particles (.h5), relaxed first if it is not")
         .input("SCENE", request.scene, "what the sample is made of and what is done to it (.toml)")
         .output("RUN", request.run, "frames and curves to write (.h5)")
+        .flag("--resume", request.control.resume,
+              "go on from RUN.checkpoint, which an interrupted run has left; without one, start from the beginning")
+        .option("--checkpoint-every", request.control.checkpoint_minutes, cli::Unit::none, cli::not_negative,
+                "minutes of wall time between two checkpoints; 0: none at all")
         .example("solve relaxed.h5 scene.toml run.h5")
+        .example("solve relaxed.h5 scene.toml run.h5 --resume")
         .example("mpirun -np 2 solve relaxed.h5 scene.toml run.h5 --json run.json");
 }
 
@@ -27,7 +35,11 @@ void run(const Request& request) {
     const Packing sample = read_sample(request.sample);
     Provenance provenance = cli::provenance();
     provenance.scene = scene.text;
-    const RunResult result = solve(sample, scene, request.run, provenance, MPI_COMM_WORLD);
+    if (request.control.resume && is_complete(request.run, provenance)) {
+        cli::note(fmt::format("'{}' is complete: nothing to do", request.run.string()));
+        return;
+    }
+    const RunResult result = solve(sample, scene, request.run, provenance, MPI_COMM_WORLD, request.control);
     cli::report("particles", result.particles);
     cli::report("particles_lost", result.particles_lost);
     cli::report("time_step", result.time_step, "s");

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "core/error.hpp"
+#include "core/run_file.hpp"
 #include "tests/unit/core/file_size_limit.hpp"
 #include "tests/unit/temporary_folder.hpp"
 
@@ -241,6 +242,30 @@ TEST_F(PackingFile, OfARunThatIsNotCommittedDoesNotAppear) {
         writer.add_frame(moved(sample(), 0));
     }
     EXPECT_THAT(names(), IsEmpty());
+}
+
+TEST_F(PackingFile, OfARunThatIsStillWrittenShowsTheFramesAndPointsSoFar) {
+    const std::filesystem::path path = folder / "run.h5.partial";
+    const Packing packing = sample();
+    const ParticleField velocity{"velocity", "mm s-1", 3};
+    create_run_file(packing, {4, {velocity}, {{"strain", "", 7}}}, provenance, path, path);
+    EXPECT_THAT([&] { RunReader{path}; }, ThrowsMessage<InvalidInput>(HasSubstr("first frame is not written yet")));
+    RunFile file(path, path);
+    for (std::size_t f = 0; f < 2; ++f) {
+        const Frame frame = moved(packing, f);
+        // In two blocks of rows, as two processes do.
+        const std::span<const double> rows(frame.position.front().data(), 3 * packing.size());
+        file.write_rows(position_field, f, 20, rows.subspan(60));
+        file.write_rows(position_field, f, 0, rows.first(60));
+        file.mark_frame(f, frame.step, frame.time);
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+        file.write_point("strain", k, 5 * static_cast<std::int64_t>(k), 0.5 * k, -0.1 * k);
+    const RunReader run(path);
+    EXPECT_EQ(run.frame_count(), 2u);
+    EXPECT_EQ(run.frame(1).position, moved(packing, 1).position);
+    EXPECT_EQ(run.observable("strain").value.size(), 3u);
+    EXPECT_EQ(run.observable("strain").value.back(), -0.2);
 }
 
 TEST_F(PackingFile, OfARunWithoutFramesIsRefused) {

@@ -262,5 +262,20 @@ TEST(Scene, RefusesALabelThatNoPhaseHas) {
     EXPECT_THAT([&] { scene.phase(3); }, ThrowsMessage<InvalidInput>(HasSubstr("no phase with label 3")));
 }
 
+TEST(SceneOutput, IsOffUntilItIsAskedFor) {
+    EXPECT_FALSE(parse_scene(whole, "test").write_velocity);
+    EXPECT_FALSE(parse_scene(whole, "test").write_stress);
+    const Scene scene = parse_scene(whole + "\n[output]\nvelocity = true\nstress = true\n", "test");
+    EXPECT_TRUE(scene.write_velocity);
+    EXPECT_TRUE(scene.write_stress);
+}
+
+TEST(SceneOutput, RefusesWhatIsNoSwitch) {
+    EXPECT_THAT([] { parse_scene(whole + "\n[output]\nvelocity = 1\n", "test"); },
+                ThrowsMessage<InvalidInput>(HasSubstr("velocity in [output] must be true or false")));
+    EXPECT_THAT([] { parse_scene(whole + "\n[output]\nspeed = true\n", "test"); },
+                ThrowsMessage<InvalidInput>(HasSubstr("unknown key 'speed' in [output]")));
+}
+
 }  // namespace
 }  // namespace tomodem
