@@ -17,10 +17,23 @@ void FixLateralBox::begin() {
     }
 }
 
-void FixLateralBox::follow(const LoadSegment& segment, bigint first_step) {
+void FixLateralBox::follow(const LoadSegment& segment, bigint first_step, bigint now) {
     segment_ = segment;
     first_step_ = first_step;
-    set_rates(0);
+    set_rates(now > first_step ? update->dt * static_cast<double>(now - first_step) - 0.5 * update->dt : 0.0);
+}
+
+std::vector<double> FixLateralBox::state() const {
+    return {growth_, correction_, middle_[0], middle_[1], edge_[0], edge_[1]};
+}
+
+void FixLateralBox::restore(const std::vector<double>& state) {
+    growth_ = state.at(0);
+    correction_ = state.at(1);
+    for (int axis = 0; axis < 2; ++axis) {
+        middle_[axis] = state.at(2 + axis);
+        edge_[axis] = state.at(4 + axis);
+    }
 }
 
 int FixLateralBox::setmask() {

@@ -1,4 +1,6 @@
 #pragma once
+#include <vector>
+
 #include "core/load_path.hpp"
 #include "solver_plugin/liggghts.hpp"
 
@@ -16,7 +18,12 @@ class FixLateralBox : public LAMMPS_NS::Fix {
 
     /// The present box is that of zero strain.
     void begin();
-    void follow(const LoadSegment& segment, LAMMPS_NS::bigint first_step);
+    /// @param now  the present step: rates of the box are those of the half step before it
+    void follow(const LoadSegment& segment, LAMMPS_NS::bigint first_step, LAMMPS_NS::bigint now);
+
+    /// All that it has gathered, for a checkpoint.
+    std::vector<double> state() const;
+    void restore(const std::vector<double>& state);
 
     /// From the next step on c grows by that much per unit of strain.
     void steer(double growth) { growth_ = growth; }

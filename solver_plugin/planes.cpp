@@ -12,11 +12,6 @@ int FixPlanes::setmask() {
     return FixConst::POST_FORCE;
 }
 
-double FixPlanes::half_gap_at(bigint step) const {
-    const double time = update->dt * static_cast<double>(step - motion_.first_step);
-    return 0.5 * motion_.initial_height * std::exp(motion_.segment.strain_at(time)) + motion_.seed_radius;
-}
-
 FixPlanes::Forces FixPlanes::take_forces() {
     const Forces taken = forces_;
     forces_ = {};
@@ -62,7 +57,7 @@ void FixPlanes::take_along(double time) {
 void FixPlanes::post_force(int) {
     const LoadSegment& segment = motion_.segment;
     const double time = update->dt * static_cast<double>(update->ntimestep - motion_.first_step);
-    const double half_gap = half_gap_at(update->ntimestep);
+    const double half_gap = 0.5 * motion_.initial_height * std::exp(segment.strain_at(time)) + motion_.seed_radius;
     const double low = motion_.centre[2] - half_gap, high = motion_.centre[2] + half_gap;
     // The particles hold their half-step velocities when forces are computed: so do the planes.
     const double half_step = time - 0.5 * update->dt;

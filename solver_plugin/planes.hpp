@@ -32,8 +32,6 @@ class FixPlanes : public LAMMPS_NS::Fix {
     void use(std::vector<law::Wall> laws) { laws_ = std::move(laws); }
     void move(const Motion& motion) { motion_ = motion; }
     const Motion& motion() const { return motion_; }
-    /// Distance of the planes from the middle.
-    double half_gap_at(LAMMPS_NS::bigint step) const;
     /// This process' share; the sum over processes is the force.
     Forces take_forces();
 

@@ -99,13 +99,6 @@ struct Simulation::State {
         return {local[turned(0)], local[turned(1)], local[turned(2)]};
     }
 
-    /// Where a particle is that periodic sides have not moved.
-    Vec3 unwrapped(int i) {
-        Vec3 point;
-        session.lmp().domain->unmap(atom().x[i], atom().image[i], point.data());
-        return point;
-    }
-
     /// Turns a vector of the solver back to the sample's axes, without scaling.
     Vec3 turned_back(const Vec3& vector) const {
         Vec3 result;
@@ -129,6 +122,11 @@ struct Simulation::State {
         for (std::size_t k = 0; k < model.phases.size(); ++k)
             if (model.phases[k].label == label) return static_cast<int>(k) + 1;
         throw InvalidInput(fmt::format("the model has no phase with label {}", label));
+    }
+
+    void add_sides() {
+        session.command("fix sides all tomodem/lateral");
+        sides = static_cast<FixLateralBox*>(session.lmp().modify->find_fix_id("sides"));
     }
 
     void add_planes() {
@@ -175,7 +173,6 @@ struct Simulation::State {
 
     void remember_contacts() {
         session.command("fix contact all tomodem/contact");
-        ready = false;  // the pair style finds it when it is set up
         contact = static_cast<FixContact*>(session.lmp().modify->find_fix_id("contact"));
         contact->memory().set_law({.least_outward = law::SelfContact::outward_over_seed * model.seed_radius});
         if (std::isfinite(model.healing_time)) contact->heal_after(std::llround(model.healing_time / model.time_step));
@@ -203,6 +200,13 @@ struct Simulation::State {
             std::normal_distribution<double> normal(0, deviation);
             for (int c = 0; c < 3; ++c) atoms.v[i][c] += normal(random);
         }
+    }
+
+    /// With the first plane or wall: what counts from the start of the loading begins.
+    void begin_loading() {
+        // Pairs that form before, while the free sample comes to rest, are internal.
+        if (model.self_contact && contact == nullptr) remember_contacts();
+        if (!loading) loading_start = session.lmp().update->ntimestep;
     }
 
     void create_particles(const Packing& sample) {
@@ -451,10 +455,10 @@ void Simulation::place_planes() {
         high = s.face(low, high, in_layer, -1) + layer;
     }
     s.add_planes();
+    s.begin_loading();
     FixPlanes::Motion motion;
     if (s.model.lateral != Lateral::free) {
-        s.session.command("fix sides all tomodem/lateral");
-        s.sides = static_cast<FixLateralBox*>(s.session.lmp().modify->find_fix_id("sides"));
+        s.add_sides();
         s.sides->begin();
     } else {
         for (int c = 0; c < 2; ++c) {
@@ -484,7 +488,9 @@ std::int64_t Simulation::place_wall(const TriangleMesh& mesh, const Wall& wall) 
     motion.start = wall.start;
     motion.stop = wall.stop;
     fix->place(placed, motion);
+    if (s.loading) fix->start(s.loading_start);
     s.surfaces.push_back(fix);
+    s.begin_loading();
     s.use_laws();
     s.ready = false;
     return std::llround(s.total(static_cast<double>(fix->particles_within(0.5 * s.model.seed_radius))));
@@ -492,25 +498,28 @@ std::int64_t Simulation::place_wall(const TriangleMesh& mesh, const Wall& wall) 
 
 void Simulation::set_loading(const LoadSegment& segment) {
     State& s = *state_;
-    s.segment = segment;
-    s.segment_start = step();
     if (!s.loading) {
         // Walls stand still, and forces do not count, while the sample comes to rest between them.
         s.loading = true;
         s.loading_start = step();
-        // Pairs that form before, while the sample comes to rest, are internal.
-        if (s.model.self_contact) s.remember_contacts();
         for (FixSurface* surface : s.surfaces) surface->start(step());
         take_forces();
         take_wall_forces();
     }
+    continue_loading(segment, step());
+    if (s.planes != nullptr && segment.noise > 0) s.shake(segment.noise * 2 * s.model.seed_radius);
+}
+
+void Simulation::continue_loading(const LoadSegment& segment, std::int64_t first_step) {
+    State& s = *state_;
+    s.segment = segment;
+    s.segment_start = first_step;
     if (s.planes == nullptr) return;
     FixPlanes::Motion motion = s.planes->motion();
     motion.segment = segment;
-    motion.first_step = s.segment_start;
+    motion.first_step = first_step;
     s.planes->move(motion);
-    if (s.sides != nullptr) s.sides->follow(segment, s.segment_start);
-    if (segment.noise > 0) s.shake(segment.noise * 2 * s.model.seed_radius);
+    if (s.sides != nullptr) s.sides->follow(segment, first_step, step());
 }
 
 void Simulation::run(std::int64_t steps, const Watch& watch) {
@@ -528,6 +537,7 @@ void Simulation::run(std::int64_t steps, const Watch& watch) {
 
 void Simulation::run_to_stress_sample(std::int64_t steps, const Watch& watch) {
     if (state_->planes != nullptr) state_->planes->tally_at(step() + steps);
+    for (FixSurface* surface : state_->surfaces) surface->tally_at(step() + steps);
     run(steps, watch);
 }
 
@@ -600,10 +610,11 @@ std::int64_t Simulation::particles() const {
 std::int64_t Simulation::particles_behind_planes() const {
     const State& s = *state_;
     if (s.planes == nullptr) return 0;
-    const double half_gap = s.planes->half_gap_at(step()), centre = s.planes->motion().centre[2];
+    const FixPlanes::Motion& motion = s.planes->motion();
+    const double half_gap = 0.5 * motion.initial_height * std::exp(strain()) + motion.seed_radius;
     const LAMMPS_NS::Atom& atoms = state_->atom();
     double behind = 0;
-    for (int i = 0; i < atoms.nlocal; ++i) behind += std::abs(atoms.x[i][2] - centre) > half_gap;
+    for (int i = 0; i < atoms.nlocal; ++i) behind += std::abs(atoms.x[i][2] - motion.centre[2]) > half_gap;
     return std::llround(state_->total(behind));
 }
 
@@ -623,6 +634,7 @@ void Simulation::save(Checkpoint& checkpoint) const {
     ParticleState& particles = checkpoint.particles;
     particles.tag.assign(atoms.tag, atoms.tag + mine);
     particles.type.assign(atoms.type, atoms.type + mine);
+    particles.image.assign(atoms.image, atoms.image + mine);
     particles.position.assign(mine > 0 ? atoms.x[0] : nullptr, mine > 0 ? atoms.x[0] + 3 * mine : nullptr);
     particles.velocity.assign(mine > 0 ? atoms.v[0] : nullptr, mine > 0 ? atoms.v[0] + 3 * mine : nullptr);
     particles.memory_length.assign(mine, 0);
@@ -636,14 +648,15 @@ void Simulation::save(Checkpoint& checkpoint) const {
         particles.memory_length[i] = static_cast<std::int32_t>(particles.memory.size() - before);
     }
     checkpoint.numbers["solver_loading_start"] = {static_cast<double>(s.loading_start)};
+    checkpoint.numbers["solver_loading"] = {s.loading ? 1.0 : 0.0};
     checkpoint.numbers["solver_hardening"] = s.hardening;
-    checkpoint.numbers["solver_loading"] = {static_cast<double>(s.loading)};
     checkpoint.numbers["solver_step"] = {static_cast<double>(step())};
     checkpoint.numbers["solver_box"] = {domain.boxlo[0], domain.boxlo[1], domain.boxlo[2],
                                         domain.boxhi[0], domain.boxhi[1], domain.boxhi[2]};
     if (s.planes != nullptr)
         checkpoint.numbers["solver_planes"] = {s.planes->motion().centre[0], s.planes->motion().centre[1],
                                                s.planes->motion().centre[2], s.planes->motion().initial_height};
+    if (s.sides != nullptr) checkpoint.numbers["solver_sides"] = s.sides->state();
 }
 
 void Simulation::restore(const FoundCheckpoint& found) {
@@ -658,15 +671,23 @@ void Simulation::restore(const FoundCheckpoint& found) {
         std::copy_n(particles.position.data() + 3 * k, 3, point);
         s.create_particle(particles.type[k], particles.tag[k], point);
         std::copy_n(particles.velocity.data() + 3 * k, 3, atoms.v[atoms.nlocal - 1]);
+        atoms.image[atoms.nlocal - 1] = particles.image[k];
     }
     s.count_particles();
     s.hardening = found.checkpoint.numbers.at("solver_hardening");
     s.loading_start = static_cast<std::int64_t>(found.checkpoint.number("solver_loading_start"));
     s.loading = found.checkpoint.number("solver_loading") != 0;
-    for (FixSurface* surface : s.surfaces)
-        if (s.loading) surface->start(s.loading_start);
     rest();
-    if (s.model.self_contact && s.loading) s.remember_contacts();
+    if (const auto planes = found.checkpoint.numbers.find("solver_planes"); planes != found.checkpoint.numbers.end()) {
+        s.add_planes();
+        FixPlanes::Motion motion;
+        std::copy_n(planes->second.data(), 3, motion.centre);
+        motion.initial_height = planes->second.at(3);
+        motion.seed_radius = s.model.seed_radius;
+        motion.first_step = step();
+        s.planes->move(motion);
+    }
+    if (s.model.self_contact && s.contact == nullptr) s.remember_contacts();
     if (s.contact != nullptr) {
         ContactMemory& memory = s.contact->memory();
         memory.resize(atoms.nlocal, 0);
@@ -681,22 +702,17 @@ void Simulation::restore(const FoundCheckpoint& found) {
             }
         }
     }
+    if (const auto sides = found.checkpoint.numbers.find("solver_sides"); sides != found.checkpoint.numbers.end()) {
+        s.add_sides();
+        s.sides->restore(sides->second);
+    }
     const std::vector<double>& box = found.checkpoint.numbers.at("solver_box");
     std::copy_n(box.data(), 3, domain.boxlo);
     std::copy_n(box.data() + 3, 3, domain.boxhi);
     domain.set_global_box();
     domain.set_local_box();
     if (!found.same_processes) LAMMPS_NS::Irregular(&s.session.lmp()).migrate_atoms();
-    set_step(static_cast<std::int64_t>(found.checkpoint.number("solver_step")));
-    if (const auto planes = found.checkpoint.numbers.find("solver_planes"); planes != found.checkpoint.numbers.end()) {
-        s.add_planes();
-        FixPlanes::Motion motion;
-        std::copy_n(planes->second.data(), 3, motion.centre);
-        motion.initial_height = planes->second.at(3);
-        motion.seed_radius = s.model.seed_radius;
-        motion.first_step = step();
-        s.planes->move(motion);
-    }
+    s.session.command(fmt::format("reset_timestep {:.0f}", found.checkpoint.number("solver_step")));
     s.use_laws();
     s.ready = false;
 }
@@ -706,17 +722,15 @@ void Simulation::rest() {
     state_->set_masses([](const PhaseModel& phase) { return phase.natural_period; });
 }
 
-void Simulation::set_step(std::int64_t step) {
-    state_->session.command(fmt::format("reset_timestep {}", step));
-}
-
 RowBlock Simulation::position_rows() const {
     State& s = *state_;
     const LAMMPS_NS::Atom& atoms = s.atom();
     std::vector<double> values;
     values.reserve(3 * static_cast<std::size_t>(atoms.nlocal));
     for (int i = 0; i < atoms.nlocal; ++i) {
-        const Vec3 point = s.centre + s.turned_back(s.unwrapped(i)) / s.scale;
+        Vec3 unwrapped;
+        s.session.lmp().domain->unmap(atoms.x[i], atoms.image[i], unwrapped.data());
+        const Vec3 point = s.centre + s.turned_back(unwrapped) / s.scale;
         values.insert(values.end(), point.begin(), point.end());
     }
     return s.rows(3, values);
@@ -762,6 +776,8 @@ RowBlock Simulation::stress_rows() const {
     });
     for (std::size_t i = 0; i < mine; ++i) {
         if (s.planes != nullptr) values[6 * i + 2] += s.planes->tallied(static_cast<int>(i)) * over_volume;
+        for (const FixSurface* surface : s.surfaces)
+            for (int k = 0; k < 6; ++k) values[6 * i + k] += surface->tallied(static_cast<int>(i))[k] * over_volume;
         double turned[3][3];
         for (int k = 0; k < 6; ++k)
             turned[s.turned(first[k])][s.turned(second[k])] = turned[s.turned(second[k])][s.turned(first[k])] =
@@ -773,10 +789,12 @@ RowBlock Simulation::stress_rows() const {
 
 std::vector<Vec3> Simulation::positions() const {
     State& s = *state_;
-    std::vector<Vec3> unwrapped;
-    for (int i = 0; i < s.atom().nlocal; ++i) unwrapped.push_back(s.unwrapped(i));
+    std::vector<Vec3> unwrapped(s.atom().nlocal);
     std::vector<double*> rows;
-    for (Vec3& point : unwrapped) rows.push_back(point.data());
+    for (std::size_t i = 0; i < unwrapped.size(); ++i) {
+        s.session.lmp().domain->unmap(s.atom().x[i], s.atom().image[i], unwrapped[i].data());
+        rows.push_back(unwrapped[i].data());
+    }
     std::vector<Vec3> points = s.gather(rows.data());
     for (Vec3& point : points) point = s.centre + s.turned_back(point) / s.scale;
     return points;

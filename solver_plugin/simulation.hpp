@@ -88,21 +88,22 @@ class Simulation {
     void restore(const FoundCheckpoint& found);
     /// The next run sets LIGGGHTS up anew from the particles as they are.
     void rest();
-    /// Counts on from another step; what moves with the time starts from there when it is set next.
-    void set_step(std::int64_t step);
+    /// The segment that began at an earlier step, after restore().
+    void continue_loading(const LoadSegment& segment, std::int64_t first_step);
 
     /// Values by row, that is in the order of the sample's particles: each process gets its block of rows, in the
     /// sample's axes.
-    RowBlock position_rows() const;  ///< mm
+    RowBlock position_rows() const;  ///< mm, not cut by periodic sides
     RowBlock velocity_rows() const;  ///< mm/s
     /// Stress at the last step, which must be a sample: xx yy zz xy xz yz [Pa], tension positive, as the laws saw it
     /// there. The volume is volume_per_particle().
-    /// sigma_ab = 1/V sum f_a l_b over the contacts of a particle, planes included (thesis eq. 8.12).
+    /// sigma_ab = 1/V sum f_a l_b over the contacts of a particle, planes and walls included (thesis eq. 8.12).
     RowBlock stress_rows() const;
     /// Volume of the sample's box over the number of its particles [mm^3].
     double volume_per_particle() const;
 
-    /// Positions in the order of the sample's particles, on the first process; empty elsewhere.
+    /// Positions in the order of the sample's particles, on the first process; empty elsewhere. Periodic sides do not
+    /// cut them: a particle that leaves goes on outside.
     std::vector<Vec3> positions() const;
 
     /// Sets velocities [mm/s] (in the order of the sample) and returns the forces [uN] at this moment, on the first

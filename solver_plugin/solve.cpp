@@ -35,6 +35,7 @@ void run(const Request& request) {
     const Packing sample = read_sample(request.sample);
     Provenance provenance = cli::provenance();
     provenance.scene = scene.text;
+    for (const Wall& wall : scene.walls) provenance.inputs[wall.surface.string()] = content_digest(wall.surface);
     if (request.control.resume && is_complete(request.run, provenance)) {
         cli::note(fmt::format("'{}' is complete: nothing to do", request.run.string()));
         return;

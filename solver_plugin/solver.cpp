@@ -190,7 +190,8 @@ void relax_inside(Simulation& simulation, const Model& model, const Packing& sam
 }
 
 /// Reads the surfaces of the scene's walls and stands them around the sample.
-void place_walls(Simulation& simulation, const Scene& scene) {
+enum class Room { checked, taken };  ///< whether they may stand inside the sample, as they do later in a run
+void place_walls(Simulation& simulation, const Scene& scene, Room room) {
     for (const Wall& wall : scene.walls) {
         const auto refuse = [&](const std::string& what) {
             throw InvalidInput(
@@ -199,7 +200,7 @@ void place_walls(Simulation& simulation, const Scene& scene) {
         try {
             TriangleMesh mesh = read_mesh(wall.surface);
             for (Vec3& vertex : mesh.vertices) vertex *= wall.unit;
-            if (const std::int64_t inside = simulation.place_wall(mesh, wall); inside > 0)
+            if (const std::int64_t inside = simulation.place_wall(mesh, wall); inside > 0 && room == Room::checked)
                 refuse(
                     fmt::format("its surface stands inside the sample: {} particles are nearer than half a seed "
                                 "radius; move it, or check its unit",
@@ -247,9 +248,10 @@ class ForceWindow {
     }
     void restore(const std::vector<double>& numbers, std::size_t walls) {
         recent_.clear();
-        for (const double* at = numbers.data(); at < numbers.data() + numbers.size(); at += 4 + 3 * walls) {
+        for (auto at = numbers.begin(); at != numbers.end();) {
             Forces forces{{at[0], at[1], static_cast<long>(at[2])}, {}, static_cast<std::int64_t>(at[3])};
-            for (std::size_t k = 0; k < walls; ++k) forces.walls.emplace_back(at + 4 + 3 * k);
+            at += 4;
+            for (std::size_t k = 0; k < walls; ++k, at += 3) forces.walls.emplace_back(at[0], at[1], at[2]);
             recent_.push_back(std::move(forces));
         }
     }
@@ -277,34 +279,27 @@ Point measure(double strain, const PlaneForces& forces, double section, double i
     return point;
 }
 
-struct Curve {
+struct CurveValue {
     std::string name, unit;
+    double value;
 };
 
-/// What a scene has curves of: without planes there is no stress.
-std::vector<Curve> curves_of(const Scene& scene) {
-    std::vector<Curve> curves{{"strain", ""}, {"kinetic_energy", "nJ"}, {"potential_energy", "nJ"}};
+/// Everything that one point of the curves holds.
+std::vector<CurveValue> curve_values(const Scene& scene, const Point& point, const std::vector<Vec3>& wall_forces,
+                                     const plugin::Energies& energies) {
+    std::vector<CurveValue> all{{"strain", "", point.strain}};
     if (!scene.steps.empty())
-        curves.insert(curves.end(), {{"stress_true", "Pa"},
-                                     {"stress_engineering", "Pa"},
-                                     {"force_top", "uN"},
-                                     {"force_bottom", "uN"},
-                                     {"equilibrium_error", ""},
-                                     {"section", "mm^2"}});
-    for (const Wall& wall : scene.walls)
-        for (const char axis : {'x', 'y', 'z'})
-            curves.push_back({fmt::format("wall_{}_force_{}", wall.name, axis), "uN"});
-    return curves;
-}
-
-/// In the order of curves_of().
-std::vector<double> values(const Scene& scene, const Point& point, const std::vector<Vec3>& wall_forces,
-                           const plugin::Energies& energies) {
-    std::vector<double> all{point.strain, energies.kinetic, energies.seeds};
-    if (!scene.steps.empty())
-        all.insert(all.end(), {point.stress_true, point.stress_engineering, point.force_top, point.force_bottom,
-                               point.equilibrium_error, point.section});
-    for (const Vec3& force : wall_forces) all.insert(all.end(), force.begin(), force.end());
+        all.insert(all.end(), {{"stress_true", "Pa", point.stress_true},
+                               {"stress_engineering", "Pa", point.stress_engineering},
+                               {"force_top", "uN", point.force_top},
+                               {"force_bottom", "uN", point.force_bottom},
+                               {"equilibrium_error", "", point.equilibrium_error},
+                               {"section", "mm^2", point.section}});
+    all.insert(all.end(), {{"kinetic_energy", "nJ", energies.kinetic}, {"potential_energy", "nJ", energies.seeds}});
+    for (std::size_t k = 0; k < scene.walls.size(); ++k)
+        for (int axis = 0; axis < 3; ++axis)
+            all.push_back(
+                {fmt::format("wall_{}_force_{}", scene.walls[k].name, "xyz"[axis]), "uN", wall_forces[k][axis]});
     return all;
 }
 
@@ -385,6 +380,7 @@ Inputs inputs_of(const Provenance& provenance) {
 
 /// The planes must not jump over particles.
 void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample) {
+    if (scene.steps.empty()) return;
     double low = 1e300, high = -1e300;
     for (const Vec3& point : sample.position) {
         low = std::min(low, point[scene.axis]);
@@ -428,14 +424,11 @@ class Pressing {
           watch_(communicator),
           model_(compile_model(scene, sample)),
           segments_(load_path(scene, model_.time_step)),
-          plan_(plan_points(scene, segments_)),
-          curves_(curves_of(scene)) {
+          plan_(plan_points(scene, segments_)) {
         if (run_file.extension() == ".xdmf")
             throw InvalidInput(fmt::format("cannot write '{}': name the HDF5 file (.h5), the .xdmf comes beside it",
                                            run_file.string()));
-        if (!scene.steps.empty()) check_plane_speed(scene, model_, sample);
-        // What the box of periodic sides has gone through is not kept.
-        if (model_.lateral != Lateral::free) control_.checkpoint_minutes = 0;
+        check_plane_speed(scene, model_, sample);
         const Vec3 edges = sample.box.edges;
         initial_section_ = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];
         if (scene.write_velocity) fields_.push_back(velocity_field);
@@ -508,7 +501,7 @@ class Pressing {
                 simulation().end_relaxation();
             }
             if (!scene_.steps.empty()) simulation().place_planes();
-            place_walls(simulation(), scene_);
+            place_walls(simulation(), scene_, Room::checked);
             if (model_.trilin) {
                 relax_inside(simulation(), model_, sample_, seating_periods, watch);
                 simulation().end_relaxation();
@@ -526,7 +519,9 @@ class Pressing {
         shape.frames = 1 + static_cast<std::size_t>(std::count_if(plan_.begin(), plan_.end(),
                                                                   [](const auto& point) { return point.frame; }));
         shape.fields = fields_;
-        for (const Curve& curve : curves_) shape.curves.push_back({curve.name, curve.unit, plan_.size() + 1});
+        const std::vector<Vec3> no_wall_forces(scene_.walls.size(), Vec3::Zero());
+        for (const CurveValue& curve : curve_values(scene_, {}, no_wall_forces, {}))
+            shape.curves.push_back({curve.name, curve.unit, plan_.size() + 1});
         together(communicator_, [&] {
             if (first_) create_run_file(pressed, shape, provenance, partial_, run_file_);
         });
@@ -535,8 +530,7 @@ class Pressing {
         const plugin::Energies energies = simulation().energies();
         refuse_collapse(simulation(), energies.seeds, model_, sample_, "at the start");
         write_frame();
-        write_point(0, measure(0, {}, initial_section_, initial_section_),
-                    std::vector<Vec3>(scene_.walls.size(), Vec3::Zero()), energies);
+        write_point(0, measure(0, {}, initial_section_, initial_section_), no_wall_forces, energies);
         take_snapshot();
     }
 
@@ -554,8 +548,8 @@ class Pressing {
             output_->keep();
         });
         kept_ = true;
-        place_walls(simulation(), scene_);
         simulation().restore(found);
+        place_walls(simulation(), scene_, Room::taken);
         next_ = static_cast<std::size_t>(checkpoint.number("next_point"));
         start_ = static_cast<std::int64_t>(checkpoint.number("first_step"));
         frames_ = static_cast<std::size_t>(checkpoint.number("frames"));
@@ -567,7 +561,10 @@ class Pressing {
         window_.restore(checkpoint.numbers.at("window"), scene_.walls.size());
         meter_.carry(checkpoint.number("wall_seconds"), checkpoint.number("cpu_seconds"));
         sums_ = checkpoint.sums;
-        if (next_ < plan_.size() && plan_[next_].from > 0) enter(plan_[next_].segment);
+        if (next_ < plan_.size() && plan_[next_].from > 0) {
+            const std::size_t segment = plan_[next_].segment;
+            simulation().continue_loading(segments_[segment], segment_start(segment));
+        }
         open();
         cli::note(fmt::format("going on {}{}", where(),
                               found.same_processes ? ""
@@ -582,18 +579,9 @@ class Pressing {
         last_checkpoint_ = std::chrono::steady_clock::now();
     }
 
-    void enter(std::size_t segment) {
-        const std::int64_t now = simulation().step(), begins = segment_start(segment);
-        if (now != begins) simulation().set_step(begins);
-        LoadSegment load = segments_[segment];
-        if (now != begins) load.noise = 0;  // given already
-        simulation().set_loading(load);
-        if (now != begins) simulation().set_step(now);
-    }
-
     /// Runs to a point, and does what is due there.
     void reach(const PlannedPoint& point) {
-        if (point.from == 0) enter(point.segment);
+        if (point.from == 0) simulation().set_loading(segments_[point.segment]);
         const auto pieces = watching(watch_, simulation());
         const std::int64_t steps = point.to - point.from;
         if (point.sampled) {
@@ -614,9 +602,9 @@ class Pressing {
                         fmt::format("at strain {:.3f}", simulation().strain()));
         window_.add({simulation().take_forces(), simulation().take_wall_forces(), steps});
         const Forces forces = window_.mean();
-        const double section =
-            simulation().periodic_section().value_or(initial_section_ * std::exp(-simulation().strain()));
-        const Point measured = measure(simulation().strain(), forces.planes, section, initial_section_);
+        const double strain = simulation().strain();
+        const double section = simulation().periodic_section().value_or(initial_section_ * std::exp(-strain));
+        const Point measured = measure(strain, forces.planes, section, initial_section_);
         ++next_;
         write_point(next_, measured, forces.walls, energies);
         if (point.travelled > scene_.path_length() / 2) {
@@ -627,7 +615,6 @@ class Pressing {
         last_strain_ = measured.strain;
         if (point.frame) write_frame();
         if (point.rest) {
-            simulation().rest();
             take_snapshot();
             if (is_due()) write_snapshot();
         }
@@ -671,14 +658,16 @@ class Pressing {
 
     void write_point(std::size_t index, const Point& point, const std::vector<Vec3>& wall_forces,
                      const plugin::Energies& energies) {
-        const std::vector<double> all = values(scene_, point, wall_forces, energies);
         together(communicator_, [&] {
-            for (std::size_t k = 0; first_ && k < all.size(); ++k)
-                file_->write_point(curves_[k].name, index, step(), time(step()), all[k]);
+            if (!first_) return;
+            for (const CurveValue& curve : curve_values(scene_, point, wall_forces, energies))
+                file_->write_point(curve.name, index, step(), time(step()), curve.value);
         });
     }
 
+    /// The moment that a resumed run goes on from: this one, too, goes on as if it were resumed.
     void take_snapshot() {
+        simulation().rest();
         if (control_.checkpoint_minutes <= 0) return;
         simulation().save(snapshot_);
         const Cost cost = meter_.cost(0, 0);
@@ -771,7 +760,6 @@ class Pressing {
     Model model_;
     std::vector<LoadSegment> segments_;
     std::vector<PlannedPoint> plan_;
-    std::vector<Curve> curves_;
     std::vector<ParticleField> fields_;
     double initial_section_ = 0;
     std::optional<OutputFile> output_;  // on the first process

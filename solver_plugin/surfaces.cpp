@@ -65,6 +65,8 @@ void FixSurface::post_force(int) {
     // The particles hold their half-step velocities when forces are computed: so does the surface.
     const Vec3 velocity = (moved - displacement(update->ntimestep - 1)) / update->dt;
     Vec3 total = Vec3::Zero();
+    const bool tallies = tally_step_ == update->ntimestep;
+    if (tallies) tally_.assign(static_cast<std::size_t>(atom->nlocal), {});
     for (const Candidate& candidate : candidates_) {
         const int i = candidate.particle;
         tree_->contacts(candidate.triangles, place_of(i, moved), atom->radius[i], contacts_);
@@ -74,6 +76,11 @@ void FixSurface::post_force(int) {
                 wall_force(laws_, *atom, i, contact.distance, contact.direction.dot(relative)) * contact.direction;
             for (int axis = 0; axis < 3; ++axis) atom->f[i][axis] += on_particle[axis];
             total += on_particle;
+            if (!tallies) continue;
+            const Vec3 lever = -contact.distance * contact.direction;
+            constexpr int first[] = {0, 1, 2, 0, 0, 1}, second[] = {0, 1, 2, 1, 2, 2};
+            for (int k = 0; k < 6; ++k)
+                tally_[static_cast<std::size_t>(i)][k] += on_particle[first[k]] * lever[second[k]];
         }
     }
     if (update->setupflag) return;

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -36,6 +37,10 @@ class FixSurface : public LAMMPS_NS::Fix {
     /// Particles of this process nearer than `distance` at the present step.
     std::int64_t particles_within(double distance) const;
 
+    /// In that step, sums force times lever (from the centre to the contact) of each particle, xx yy zz xy xz yz.
+    void tally_at(LAMMPS_NS::bigint step) { tally_step_ = step; }
+    const std::array<double, 6>& tallied(int i) const { return tally_[static_cast<std::size_t>(i)]; }
+
     int setmask() override;
     void setup(int flag) override { post_force(flag); }
     void post_force(int) override;
@@ -56,6 +61,8 @@ class FixSurface : public LAMMPS_NS::Fix {
     std::vector<law::Wall> laws_;
     std::vector<Candidate> candidates_;
     std::vector<SurfaceContact> contacts_;
+    LAMMPS_NS::bigint tally_step_ = -1;
+    std::vector<std::array<double, 6>> tally_;
     Vec3 chosen_at_ = Vec3::Zero();
 };
 
