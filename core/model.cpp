@@ -75,6 +75,30 @@ PhaseModel compile_phase(const Scene& scene, const Phase& phase, double time_ste
     return model;
 }
 
+void check_lateral_sides(const Scene& scene, const Packing& sample) {
+    const auto refuse = [&](const std::string& what) {
+        throw InvalidInput(fmt::format("scene '{}' line {}: periodic sides in [load]: {}", scene.path.string(),
+                                       scene.load_line, what));
+    };
+    // A particle must not meet another and its image at once.
+    const double least = 4 * scene.crown_radius * sample.seed_radius / scene.seed_radius;
+    for (int axis : {(scene.axis + 1) % 3, (scene.axis + 2) % 3}) {
+        const char name = "xyz"[axis];
+        if (!sample.box.periodic[axis])
+            refuse(
+                fmt::format("the sample's box is not periodic along {}; take a brick from packgen, relaxed with this "
+                            "scene if at all",
+                            name));
+        if (sample.box.edges[axis] < least)
+            refuse(fmt::format("the sample's box is {:g} mm along {}: it needs four crown radii, {:g} mm",
+                               sample.box.edges[axis], name, least));
+        const auto [low, high] = std::minmax_element(sample.position.begin(), sample.position.end(),
+                                                     [&](const Vec3& a, const Vec3& b) { return a[axis] < b[axis]; });
+        if ((*high)[axis] - (*low)[axis] < sample.box.edges[axis] - 4 * sample.seed_radius)
+            refuse(fmt::format("the sample does not fill its box along {}: it would not touch its own image", name));
+    }
+}
+
 }  // namespace
 
 Model compile_model(const Scene& scene, const Packing& sample) {
@@ -107,6 +131,8 @@ Model compile_model(const Scene& scene, const Packing& sample) {
             fmt::format("scene '{}': between_objects = true in [contact] but the sample does not tell "
                         "objects apart; make it with vol2pack --objects LABEL",
                         scene.path.string()));
+    model.lateral = scene.lateral;
+    if (model.lateral != Lateral::free) check_lateral_sides(scene, sample);
     model.time_step = scene.time_step.value_or(time_step);
     for (std::int32_t label : present)
         model.phases.push_back(compile_phase(scene, scene.phase(label), model.time_step));

@@ -30,6 +30,7 @@ struct Model {
     double radius_dispersion = 0;    ///< standard deviation over the mean
     bool between_objects = false;    ///< attraction only within an object
     bool self_contact = false;
+    Lateral lateral = Lateral::free;  ///< periodic sides have the edges of the sample's box
     double healing_time = std::numeric_limits<double>::infinity();  ///< s
 };
 
@@ -40,7 +41,8 @@ struct Model {
 /// constants of that law, at ten steps a natural period.
 ///
 /// @throws InvalidInput: a label that the scene does not name, a phase without particles, M out of reach, a time step
-///         too long for a natural period (unstable), objects asked for that the sample does not tell apart
+///         too long for a natural period (unstable), objects asked for that the sample does not tell apart,
+///         lateral = "periodic" for a sample whose box is not
 Model compile_model(const Scene& scene, const Packing& sample);
 
 }  // namespace tomodem

@@ -12,6 +12,7 @@
 
 #include "core/error.hpp"
 #include "core/law/trilin_flow.hpp"
+#include "core/polynomial.hpp"
 #include "core/units.hpp"
 
 namespace tomodem {
@@ -207,28 +208,158 @@ LoadStep read_step(const toml::node& node, const std::string& file) {
     step.line = reader.line();
     step.strain = reader.number(reader.get("strain"), "strain");
     if (!std::isfinite(step.strain)) reader.fail(step.line, "strain in a step of [load] must be finite");
-    reader.get("rate");
-    step.rate = *reader.positive("rate", units::rate);
+    const toml::node& rate = reader.get("rate");
+    if (const toml::array* coefficients = rate.as_array()) {
+        for (const toml::node& coefficient : *coefficients) step.rate.push_back(reader.number(coefficient, "rate"));
+        if (step.rate.empty() || !(step.rate.front() > 0) ||
+            !std::all_of(step.rate.begin(), step.rate.end(), [](double value) { return std::isfinite(value); }))
+            reader.fail(rate,
+                        "rate in a step of [load] must be a number or the coefficients of a polynomial of time, the "
+                        "first above 0, such as rate = [1e-3, 2e-6]");
+    } else {
+        step.rate = {*reader.positive("rate", units::rate)};
+    }
     reader.refuse_unknown();
     return step;
 }
 
+Initiation read_initiation(TableReader reader) {
+    Initiation initiation;
+    reader.get("strain");
+    initiation.strain = *reader.positive("strain");
+    initiation.affine = reader.boolean("affine").value_or(initiation.affine);
+    if (const toml::node* noise = reader.find("noise")) {
+        initiation.noise = reader.number(*noise, "noise");
+        if (!(initiation.noise >= 0 && initiation.noise <= 10))
+            reader.fail(*noise, fmt::format("noise in initiation is {:g}: expected 0 to 10", initiation.noise));
+    }
+    reader.refuse_unknown();
+    return initiation;
+}
+
+std::vector<LoadStep> read_steps(const toml::node& steps, TableReader& reader, const std::string& file) {
+    if (!steps.is_array() || steps.as_array()->empty())
+        reader.fail(steps, "steps in [load] must be a list such as [ { strain = -0.3, rate = 1e-3 } ]");
+    std::vector<LoadStep> result;
+    double reached = 0;
+    for (const toml::node& node : *steps.as_array()) {
+        const LoadStep step = read_step(node, file);
+        const double change = step.strain - reached;
+        if (change == 0) reader.fail(step.line, fmt::format("the strain is {:g} already", reached));
+        if (!polynomial::time_to_reach(step.rate, std::abs(change))) {
+            const double end = *polynomial::end_of_positive(step.rate);
+            reader.fail(
+                step.line,
+                fmt::format("the rate falls to zero after {:g} s, at strain {:.4g}: before the "
+                            "target strain {:g}",
+                            end, reached + std::copysign(polynomial::integral(step.rate, end), change), step.strain));
+        }
+        reached = step.strain;
+        result.push_back(step);
+    }
+    return result;
+}
+
 void read_load(TableReader reader, const std::string& file, Scene& scene) {
+    scene.load_line = reader.line();
     const std::string axis = reader.text("axis").value_or("z");
     if (axis != "x" && axis != "y" && axis != "z")
         reader.fail(*reader.find("axis"), "axis must be \"x\", \"y\" or \"z\"");
     scene.axis = axis[0] - 'x';
-    const toml::node& steps = reader.get("steps");
-    if (!steps.is_array() || steps.as_array()->empty())
-        reader.fail(steps, "steps in [load] must be a list such as [ { strain = -0.3, rate = 1e-3 } ]");
-    double reached = 0;
-    for (const toml::node& node : *steps.as_array()) {
-        const LoadStep step = read_step(node, file);
-        if (step.strain == reached) reader.fail(step.line, fmt::format("the strain is {:g} already", reached));
-        reached = step.strain;
-        scene.steps.push_back(step);
+    if (const toml::node* duration = reader.find("duration")) {
+        if (const toml::node* steps = reader.find("steps"))
+            reader.fail(*steps, "[load] has both steps and duration: planes go by steps, walls alone by a duration");
+        if (scene.walls.empty())
+            reader.fail(*duration, "duration in [load] is for scenes with walls; add a [[wall]], or steps");
+        scene.duration = reader.positive("duration", units::time);
+        reader.get("rate");
+        scene.nominal_rate = reader.positive("rate", units::rate);
+    } else {
+        scene.steps = read_steps(reader.get("steps"), reader, file);
+        if (const toml::node* rate = reader.find("rate"))
+            reader.fail(*rate, "rate in [load] goes with duration; a step has its own: { strain = -0.3, rate = 1e-3 }");
+    }
+    if (auto initiation = reader.table("initiation", "initiation of [load]")) {
+        scene.initiation = read_initiation(*initiation);
+        if (scene.duration) reader.fail(initiation->line(), "initiation needs steps: without planes there is no flow");
+        double reached = 0;
+        for (const LoadStep& step : scene.steps) {
+            if (scene.initiation->strain > 0.5 * std::abs(step.strain - reached))
+                reader.fail(
+                    initiation->line(),
+                    fmt::format("initiation over a strain of {:g} is longer than half the step from {:g} to {:g}",
+                                scene.initiation->strain, reached, step.strain));
+            reached = step.strain;
+        }
+    }
+    if (const auto lateral = reader.text("lateral")) {
+        if (lateral == "periodic")
+            scene.lateral = Lateral::periodic;
+        else if (lateral == "isochoric")
+            scene.lateral = Lateral::isochoric;
+        else if (lateral != "free")
+            reader.fail(*reader.find("lateral"), "lateral must be \"free\", \"periodic\" or \"isochoric\"");
+        if (scene.lateral != Lateral::free && scene.duration)
+            reader.fail(*reader.find("lateral"),
+                        fmt::format("lateral = \"{}\" needs steps: the sides follow the planes", *lateral));
     }
     reader.refuse_unknown();
+}
+
+Wall read_wall(const toml::node& node, const std::string& file) {
+    if (!node.is_table())
+        throw InvalidInput(fmt::format("scene '{}' line {}: a wall is written [[wall]] with a name and a surface", file,
+                                       TableReader::line_of(node)));
+    TableReader reader(*node.as_table(), "[[wall]]", file);
+    Wall wall;
+    wall.line = reader.line();
+    const toml::node& name = reader.get("name");
+    wall.name = reader.text("name").value();
+    if (wall.name.empty() ||
+        wall.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_") !=
+            std::string::npos)
+        reader.fail(name, "name in [[wall]] must be of letters, digits, - and _: it names the curves of its force");
+    reader.get("surface");
+    wall.surface = std::filesystem::path(file).parent_path() / reader.text("surface").value();
+    if (const toml::node* unit = reader.find("unit")) {
+        const std::string word = reader.text("unit").value();
+        try {
+            wall.unit = units::length("1 " + word);
+        } catch (const InvalidInput&) {
+            reader.fail(*unit,
+                        fmt::format("unit in [[wall]] is \"{}\": expected a length such as \"mm\" or \"um\"", word));
+        }
+    }
+    if (const toml::node* velocity = reader.find("velocity")) {
+        const toml::array* components = velocity->as_array();
+        const std::string expected = "velocity in [[wall]] must be three numbers [mm/s], such as [0, 0, -0.1]";
+        if (components == nullptr || components->size() != 3) reader.fail(*velocity, expected);
+        for (int axis = 0; axis < 3; ++axis) {
+            wall.velocity[axis] = reader.number((*components)[axis], "velocity");
+            if (!std::isfinite(wall.velocity[axis])) reader.fail(*velocity, expected);
+        }
+    }
+    for (const auto& [key, time] : {std::pair{"start", &wall.start}, std::pair{"stop", &wall.stop}})
+        if (const toml::node* value = reader.find(key)) {
+            *time = reader.number(*value, key, units::time);
+            if (!(*time >= 0))
+                reader.fail(*value, fmt::format("{} in [[wall]] is {:g} s: expected 0 or more", key, *time));
+        }
+    if (!(wall.stop > wall.start)) reader.fail(wall.line, "[[wall]] must stop after its start");
+    reader.refuse_unknown();
+    return wall;
+}
+
+std::vector<Wall> read_walls(const toml::node& node, TableReader& reader, const std::string& file) {
+    if (!node.is_array()) reader.fail(node, "walls are written [[wall]], each with a name and a surface");
+    std::vector<Wall> walls;
+    std::set<std::string> names;
+    for (const toml::node& table : *node.as_array()) {
+        walls.push_back(read_wall(table, file));
+        if (!names.insert(walls.back().name).second)
+            reader.fail(walls.back().line, fmt::format("two walls are called '{}'", walls.back().name));
+    }
+    return walls;
 }
 
 void read_accuracy(TableReader reader, Scene& scene) {
@@ -304,13 +435,17 @@ const Phase& Scene::phase(std::int32_t label) const {
 }
 
 double Scene::highest_rate() const {
-    double highest = 0;
-    for (const LoadStep& step : steps) highest = std::max(highest, step.rate);
+    double highest = nominal_rate.value_or(0.0), reached = 0;
+    for (const LoadStep& step : steps) {
+        const double end = polynomial::time_to_reach(step.rate, std::abs(step.strain - reached)).value();
+        highest = std::max(highest, polynomial::largest_magnitude(step.rate, end));
+        reached = step.strain;
+    }
     return highest;
 }
 
 double Scene::path_length() const {
-    double length = 0, reached = 0;
+    double length = duration ? *duration * *nominal_rate : 0, reached = 0;
     for (const LoadStep& step : steps) {
         length += std::abs(step.strain - reached);
         reached = step.strain;
@@ -362,6 +497,7 @@ Scene parse_scene(const std::string& text, const std::string& name) {
     scene.strain_per_step = scene.law() == Law::bilin ? 5e-6 : 1e-4;
 
     if (auto contact = reader.table("contact", "[contact]")) read_contact(*contact, scene);
+    if (const toml::node* walls = reader.find("wall")) scene.walls = read_walls(*walls, reader, name);
     reader.get("load");
     read_load(*reader.table("load", "[load]"), name, scene);
     if (auto accuracy = reader.table("accuracy", "[accuracy]")) read_accuracy(*accuracy, scene);

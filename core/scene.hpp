@@ -44,10 +44,33 @@ struct Phase {
     std::int64_t line = 0;  ///< in the scene file, for errors
 };
 
-/// A stretch of constant true strain rate.
+/// A stretch up to a target true strain.
 struct LoadStep {
     double strain = 0.0;  ///< target true strain, negative in compression
-    double rate = 0.0;    ///< its magnitude [1/s]
+    std::vector<double>
+        rate;  ///< its magnitude [1/s, 1/s^2, ...]: coefficients of a polynomial of the time in the step
+    std::int64_t line = 0;
+};
+
+/// Smooth start of a flow: the rate rises over `strain`, and the particles are taken along (docs/method.md).
+struct Initiation {
+    double strain = 0.0;
+    bool affine = true;  ///< the particles are accelerated with the flow, not by the planes alone
+    double noise = 0.0;  ///< random velocity over the affine velocity of two touching particles [-]
+};
+
+/// What the sides across the loading axis are: free surfaces, or periodic with no mean stress across them, or periodic
+/// at constant volume.
+enum class Lateral { free, periodic, isochoric };
+
+/// A rigid triangulated surface with a prescribed translation; a sensor of the force on it.
+struct Wall {
+    std::string name;
+    std::filesystem::path surface;            ///< mesh file, relative paths already from the scene's folder
+    double unit = 1.0;                        ///< length unit of the file [mm]
+    std::array<double, 3> velocity{0, 0, 0};  ///< mm/s in the sample's axes and lengths
+    double start = 0.0;                       ///< s since the loading began
+    double stop = std::numeric_limits<double>::infinity();  ///< s
     std::int64_t line = 0;
 };
 
@@ -64,8 +87,14 @@ struct Scene {
     double healing_time = std::numeric_limits<double>::infinity();  ///< s
     bool between_objects = false;  ///< particles of different objects do not attract each other
 
-    int axis = 2;  ///< 0, 1, 2 for x, y, z
-    std::vector<LoadStep> steps;
+    int axis = 2;                        ///< 0, 1, 2 for x, y, z
+    std::vector<LoadStep> steps;         ///< empty when `duration` is given
+    std::optional<double> duration;      ///< s; walls alone load the sample, there are no planes
+    std::optional<double> nominal_rate;  ///< 1/s, with `duration`: what constants, time step and curve points go by
+    std::optional<Initiation> initiation;
+    Lateral lateral = Lateral::free;
+    std::int64_t load_line = 0;
+    std::vector<Wall> walls;
 
     std::optional<double> time_step;  ///< s; chosen from strain_per_step when not given
     double strain_per_step = 5e-6;    ///< largest strain in one time step [-]: the knob of speed against inertia
@@ -78,7 +107,7 @@ struct Scene {
     Law law() const { return phases.front().law; }
     const Phase& phase(std::int32_t label) const;  ///< @throws InvalidInput if no phase has it
     double highest_rate() const;
-    /// Sum of |change of strain| over the steps.
+    /// Sum of |change of strain| over the steps; nominal rate times duration where there are none.
     double path_length() const;
 };
 

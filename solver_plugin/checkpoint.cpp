@@ -53,6 +53,7 @@ void create(const Checkpoint& checkpoint, const Inputs& inputs, const fs::path& 
     writer.dataset(group, "count", {counts.size()}, counts.data());
     writer.reserved<std::int32_t>(group, "tag", {particles});
     writer.reserved<std::int32_t>(group, "type", {particles});
+    writer.reserved<std::int32_t>(group, "image", {particles});
     writer.reserved<double>(group, "position", {particles, 3});
     writer.reserved<double>(group, "velocity", {particles, 3});
     writer.reserved<std::int32_t>(group, "memory_length", {particles});
@@ -67,7 +68,7 @@ void require_same(const Hdf5Reader& reader, const std::string& what, const std::
     const std::string change = what == "version"
                                    ? fmt::format("another version of tomodem ({}, this is {})", found, mine)
                                : what == "scene" ? std::string("another scene")
-                                                 : std::string("another sample");
+                                                 : std::string("another sample or wall");
     throw InvalidInput(
         fmt::format("cannot go on from '{}': it was made with {}; use the same again, or start anew without --resume",
                     path.string(), change));
@@ -126,6 +127,7 @@ void write_checkpoint(const Checkpoint& checkpoint, const Inputs& inputs, const 
         };
         write("/particles/tag", particles, 0, mine.tag.data());
         write("/particles/type", particles, 0, mine.type.data());
+        write("/particles/image", particles, 0, mine.image.data());
         write("/particles/position", particles, 3, mine.position.data());
         write("/particles/velocity", particles, 3, mine.velocity.data());
         write("/particles/memory_length", particles, 0, mine.memory_length.data());
@@ -167,6 +169,7 @@ FoundCheckpoint read_checkpoint(const fs::path& path, const Inputs& inputs, MPI_
     ParticleState& particles = found.checkpoint.particles;
     particles.tag = reader.part<std::int32_t>("/particles/tag", first, mine);
     particles.type = reader.part<std::int32_t>("/particles/type", first, mine);
+    particles.image = reader.part<std::int32_t>("/particles/image", first, mine);
     particles.position = reader.part<double>("/particles/position", first, mine);
     particles.velocity = reader.part<double>("/particles/velocity", first, mine);
     const auto lengths = reader.part<std::int32_t>("/particles/memory_length", 0, first + mine);

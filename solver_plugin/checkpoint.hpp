@@ -14,7 +14,7 @@ namespace tomodem {
 
 /// The particles of one process at a moment, in the order in which the solver holds them, in the solver's lengths.
 struct ParticleState {
-    std::vector<std::int32_t> tag, type;
+    std::vector<std::int32_t> tag, type, image;
     std::vector<double> position, velocity;  ///< 3 a particle
     /// What a particle remembers (contacts): `memory_length[i]` words of particle i, one after the other.
     std::vector<std::int32_t> memory_length;

@@ -47,6 +47,9 @@ class CrownPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGra
     VectorPairs* vector_pairs() { return vectorised_ ? &vector_pairs_ : nullptr; }
     /// Elastic energy of the overlapping seeds of this process' share of the pairs.
     double seed_energy();
+    /// Sum over this process' share of the pairs of (f_x l_x + f_y l_y) / 2, l the vector between the centres: the
+    /// lateral pressure times the volume, as the law saw it in the last step of a run.
+    double lateral_virial();
 
     /// Tells the force of every pair of this process at the present positions, as the laws see it, and changes nothing.
     /// @param velocity  3 per particle with ghosts

@@ -2,22 +2,22 @@
 #include <vector>
 
 #include "core/law/pair.hpp"
+#include "core/load_path.hpp"
 #include "solver_plugin/liggghts.hpp"
 
 namespace tomodem::plugin {
 
-/// `fix ID all tomodem/planes`: two rigid planes perpendicular to z that press (or pull) the sample at a constant true
+/// `fix ID all tomodem/planes`: two rigid planes perpendicular to z that press (or pull) the sample at a given true
 /// strain rate, v = +-1/2 rate H0 exp(strain), under the wall law of each particle (thesis section 4.4).
 ///
 /// H is the distance of the planes less one seed at each (the height of the layer of centres), strain = ln(H / H0).
 class FixPlanes : public LAMMPS_NS::Fix {
  public:
     struct Motion {
-        double centre = 0.0;          ///< z of the middle
-        double initial_height = 0.0;  ///< H0
+        double centre[3] = {0, 0, 0};  ///< of the flow; the planes stand at equal distances from its z
+        double initial_height = 0.0;   ///< H0
         double seed_radius = 0.0;
-        double strain = 0.0;  ///< at first_step
-        double rate = 0.0;    ///< signed [1/s]
+        LoadSegment segment;  ///< begins at first_step
         LAMMPS_NS::bigint first_step = 0;
     };
     /// Sums over the steps since the last reset; forces of the planes on the sample, tension positive.
@@ -32,9 +32,6 @@ class FixPlanes : public LAMMPS_NS::Fix {
     void use(std::vector<law::Wall> laws) { laws_ = std::move(laws); }
     void move(const Motion& motion) { motion_ = motion; }
     const Motion& motion() const { return motion_; }
-    double strain_at(LAMMPS_NS::bigint step) const;
-    /// Distance of the planes from the middle.
-    double half_gap_at(LAMMPS_NS::bigint step) const;
     /// This process' share; the sum over processes is the force.
     Forces take_forces();
 
@@ -48,6 +45,7 @@ class FixPlanes : public LAMMPS_NS::Fix {
     void post_force(int) override;
 
  private:
+    void take_along(double time);
     void choose_candidates(double low, double high);
     double press(const std::vector<int>& candidates, double plane, double velocity, double inward);
 

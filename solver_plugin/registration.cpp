@@ -4,7 +4,9 @@
 #include "solver_plugin/fix_contact.hpp"
 #include "solver_plugin/fix_integrate.hpp"
 #include "solver_plugin/fix_watch.hpp"
+#include "solver_plugin/lateral_box.hpp"
 #include "solver_plugin/planes.hpp"
+#include "solver_plugin/surfaces.hpp"
 
 namespace tomodem::plugin {
 namespace {
@@ -64,6 +66,8 @@ void register_fixes(LAMMPS& lmp) {
     auto& styles = *(lmp.modify->*member(FixMap()));
     styles["tomodem/planes"] = &make_fix<FixPlanes>;
     styles["tomodem/integrate"] = &make_fix<FixIntegrate>;
+    styles["tomodem/surface"] = &make_fix<FixSurface>;
+    styles["tomodem/lateral"] = &make_fix<FixLateralBox>;
     styles["tomodem/contact"] = &make_fix<FixContact>;
     styles["tomodem/watch"] = &make_fix<FixWatch>;
 }

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "core/error.hpp"
@@ -13,8 +14,10 @@
 #include "solver_plugin/crown_pair.hpp"
 #include "solver_plugin/fix_contact.hpp"
 #include "solver_plugin/fix_watch.hpp"
+#include "solver_plugin/lateral_box.hpp"
 #include "solver_plugin/planes.hpp"
 #include "solver_plugin/session.hpp"
+#include "solver_plugin/surfaces.hpp"
 
 namespace tomodem::plugin {
 namespace {
@@ -39,6 +42,10 @@ double radius_factor(std::int64_t id, double dispersion) {
 /// its surface tension closes pores: a foam's struts then move by 20 seed radii instead of 2.
 constexpr double relaxation_damping = 0.3;
 
+/// Growth of the periodic sides per unit of strain over the lateral pressure in units of k_rep / 2 r_s: the mean stress
+/// across the load dies out over about 0.005 of strain.
+constexpr double side_gain = 500;
+
 }  // namespace
 
 struct Simulation::State {
@@ -51,14 +58,19 @@ struct Simulation::State {
     std::int64_t count = 0;
     Session session;
     FixPlanes* planes = nullptr;
+    FixLateralBox* sides = nullptr;  ///< when they are periodic
+    std::vector<FixSurface*> surfaces;
+    LoadSegment segment;             ///< the present one
+    std::int64_t segment_start = 0;  ///< its first step
     CrownPair* pair = nullptr;
     FixWatch* watch = nullptr;
     FixContact* contact = nullptr;
     std::vector<std::int32_t> object;  ///< by id - 1, where the law looks at it
     std::vector<double> hardening;     ///< factor of each phase at present
     bool relaxing = false;
+    bool loading = false;
     std::int64_t loading_start = 0;      ///< step
-    bool ready = false;                  ///< LIGGGHTS is set up for the present masses and planes
+    bool ready = false;                  ///< LIGGGHTS is set up for the present masses, planes and walls
     double sample_volume = 0;            ///< of the sample's box, in its own lengths
     std::int64_t builds_before = 0;      ///< neighbour builds before the last set-up
     std::vector<double> radius_factors;  ///< by row; empty: all 1
@@ -112,6 +124,11 @@ struct Simulation::State {
         throw InvalidInput(fmt::format("the model has no phase with label {}", label));
     }
 
+    void add_sides() {
+        session.command("fix sides all tomodem/lateral");
+        sides = static_cast<FixLateralBox*>(session.lmp().modify->find_fix_id("sides"));
+    }
+
     void add_planes() {
         if (planes != nullptr) return;
         session.command("fix planes all tomodem/planes");
@@ -130,10 +147,10 @@ struct Simulation::State {
         for (const law::Pair& a : own)
             for (const law::Pair& b : own) laws.of_types.push_back(law::mixed(a, b));
         pair->use(laws);
-        if (planes == nullptr) return;
         std::vector<law::Wall> walls(1);  // types count from 1
         for (const law::Pair& law : own) walls.push_back(law::against_wall(law));
-        planes->use(std::move(walls));
+        if (planes != nullptr) planes->use(walls);
+        for (FixSurface* surface : surfaces) surface->use(walls);
     }
 
     /// A phase that hardens keeps its natural period: stiffness and mass grow together, so that no trajectory changes.
@@ -161,10 +178,46 @@ struct Simulation::State {
         if (std::isfinite(model.healing_time)) contact->heal_after(std::llround(model.healing_time / model.time_step));
     }
 
+    /// Widens the periodic sides while the sample presses on them, and narrows them while it pulls.
+    void steer_sides() {
+        const LAMMPS_NS::Domain& domain = *session.lmp().domain;
+        const FixPlanes::Motion& motion = planes->motion();
+        const double time = model.time_step * static_cast<double>(session.lmp().update->ntimestep - segment_start);
+        const double height = motion.initial_height * std::exp(segment.strain_at(time));
+        const double pressure = total(pair->lateral_virial()) / (domain.xprd * domain.yprd * height);
+        double stiffest = 0;
+        for (const PhaseModel& phase : model.phases) stiffest = std::max(stiffest, phase.pair.repulsive_stiffness);
+        const double reduced = pressure / (stiffest / (2 * model.seed_radius));
+        sides->steer(std::clamp(side_gain * reduced, -1.0, 1.0));
+    }
+
+    /// Adds a random velocity of that standard deviation to every component; it depends on the particle alone.
+    void shake(double deviation) {
+        const LAMMPS_NS::Atom& atoms = atom();
+        for (int i = 0; i < atoms.nlocal; ++i) {
+            std::seed_seq seed{atoms.tag[i], 0x5eed};
+            std::mt19937_64 random(seed);
+            std::normal_distribution<double> normal(0, deviation);
+            for (int c = 0; c < 3; ++c) atoms.v[i][c] += normal(random);
+        }
+    }
+
+    /// With the first plane or wall: what counts from the start of the loading begins.
+    void begin_loading() {
+        // Pairs that form before, while the free sample comes to rest, are internal.
+        if (model.self_contact && contact == nullptr) remember_contacts();
+        if (!loading) loading_start = session.lmp().update->ntimestep;
+    }
+
     void create_particles(const Packing& sample) {
         const LAMMPS_NS::Domain& domain = *session.lmp().domain;
         for (std::size_t k = 0; k < sample.size(); ++k) {
             Vec3 point = to_solver(sample.position[k]);
+            if (model.lateral != Lateral::free)
+                for (int c = 0; c < 2; ++c) {
+                    point[c] -= std::floor((point[c] - domain.boxlo[c]) / domain.prd[c]) * domain.prd[c];
+                    if (point[c] >= domain.boxhi[c]) point[c] = domain.boxlo[c];
+                }
             bool mine = true;
             for (int c = 0; c < 3; ++c) mine = mine && point[c] >= domain.sublo[c] && point[c] < domain.subhi[c];
             if (!mine) continue;
@@ -290,8 +343,8 @@ struct Simulation::State {
     }
 };
 
-Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
-    : state_(std::make_unique<State>(sample, model, axis, communicator)) {
+Simulation::Simulation(const Packing& sample, const Model& model, int load_axis, MPI_Comm communicator)
+    : state_(std::make_unique<State>(sample, model, load_axis, communicator)) {
     State& s = *state_;
     if (sample.size() == 0) throw InvalidInput("the sample has no particle");
     Vec3 low = sample.position.front(), high = low;
@@ -300,19 +353,24 @@ Simulation::Simulation(const Packing& sample, const Model& model, int axis, MPI_
         high = high.cwiseMax(point);
     }
     s.centre = (low + high) / 2;
-    const Vec3 extent = s.scale * (high - low);
+    Vec3 extent = s.scale * (high - low) + Vec3::Constant(2 * model.crown_radius);
+    if (model.lateral != Lateral::free)
+        for (int axis : {(load_axis + 1) % 3, (load_axis + 2) % 3}) {
+            s.centre[axis] = sample.box.origin[axis] + sample.box.edges[axis] / 2;
+            extent[axis] = s.scale * sample.box.edges[axis];
+        }
 
     const auto command = [&](const std::string& line) { s.session.command(line); };
     command("atom_style granular");
     command("atom_modify map array");
     // Shrink-wrapped: nothing can leave the box, and it stays balanced over the processes while the sample spreads.
-    command("boundary m m m");
+    command(model.lateral != Lateral::free ? "boundary p p m" : "boundary m m m");
     command("newton off");
     command("communicate single vel yes");
     command("units si");  // no conversion: any consistent set
     std::string corners;
     for (int c = 0; c < 3; ++c) {
-        const double half = 0.5 * extent[s.turned(c)] + model.crown_radius;
+        const double half = 0.5 * extent[s.turned(c)];
         corners += fmt::format(" {:.17g} {:.17g}", -half, half);
     }
     command("region everywhere block" + corners + " units box");
@@ -396,30 +454,79 @@ void Simulation::place_planes() {
         low = s.face(low, high, in_layer, 1) - layer;
         high = s.face(low, high, in_layer, -1) + layer;
     }
-    // Pairs that form before, while the free sample comes to rest, are internal.
-    if (s.model.self_contact && s.contact == nullptr) s.remember_contacts();
+    s.add_planes();
+    s.begin_loading();
     FixPlanes::Motion motion;
-    motion.centre = (low + high) / 2;
+    if (s.model.lateral != Lateral::free) {
+        s.add_sides();
+        s.sides->begin();
+    } else {
+        for (int c = 0; c < 2; ++c) {
+            double sum = 0;
+            for (int i = 0; i < atoms.nlocal; ++i) sum += atoms.x[i][c];
+            motion.centre[c] = s.total(sum) / static_cast<double>(s.count);
+        }
+    }
+    motion.centre[2] = (low + high) / 2;
     motion.initial_height = high - low;
     motion.seed_radius = s.model.seed_radius;
-    motion.first_step = s.loading_start = step();
-    s.add_planes();
+    motion.first_step = step();
     s.planes->move(motion);
     s.use_laws();
     s.ready = false;
 }
 
-void Simulation::set_loading(double strain, double rate) {
-    FixPlanes::Motion motion = state_->planes->motion();
-    motion.strain = strain;
-    motion.rate = rate;
-    motion.first_step = step();
-    state_->planes->move(motion);
+std::int64_t Simulation::place_wall(const TriangleMesh& mesh, const Wall& wall) {
+    State& s = *state_;
+    const std::string name = fmt::format("wall{}", s.surfaces.size());
+    s.session.command(fmt::format("fix {} all tomodem/surface", name));
+    auto* const fix = static_cast<FixSurface*>(s.session.lmp().modify->find_fix_id(name.c_str()));
+    TriangleMesh placed = mesh;
+    for (Vec3& vertex : placed.vertices) vertex = s.to_solver(vertex);
+    FixSurface::Motion motion;
+    for (int c = 0; c < 3; ++c) motion.velocity[c] = s.scale * wall.velocity[s.turned(c)];
+    motion.start = wall.start;
+    motion.stop = wall.stop;
+    fix->place(placed, motion);
+    if (s.loading) fix->start(s.loading_start);
+    s.surfaces.push_back(fix);
+    s.begin_loading();
+    s.use_laws();
+    s.ready = false;
+    return std::llround(s.total(static_cast<double>(fix->particles_within(0.5 * s.model.seed_radius))));
+}
+
+void Simulation::set_loading(const LoadSegment& segment) {
+    State& s = *state_;
+    if (!s.loading) {
+        // Walls stand still, and forces do not count, while the sample comes to rest between them.
+        s.loading = true;
+        s.loading_start = step();
+        for (FixSurface* surface : s.surfaces) surface->start(step());
+        take_forces();
+        take_wall_forces();
+    }
+    continue_loading(segment, step());
+    if (s.planes != nullptr && segment.noise > 0) s.shake(segment.noise * 2 * s.model.seed_radius);
+}
+
+void Simulation::continue_loading(const LoadSegment& segment, std::int64_t first_step) {
+    State& s = *state_;
+    s.segment = segment;
+    s.segment_start = first_step;
+    if (s.planes == nullptr) return;
+    FixPlanes::Motion motion = s.planes->motion();
+    motion.segment = segment;
+    motion.first_step = first_step;
+    s.planes->move(motion);
+    if (s.sides != nullptr) s.sides->follow(segment, first_step, step());
 }
 
 void Simulation::run(std::int64_t steps, const Watch& watch) {
     State& s = *state_;
     s.set_up_if_needed();
+    // While the sample comes to rest between planes that stand still, the sides do too.
+    if (s.loading && s.sides != nullptr && s.model.lateral == Lateral::periodic) s.steer_sides();
     if (!s.relaxing) s.harden(static_cast<double>(step() + steps / 2 - s.loading_start) * s.model.time_step);
     s.watch->call(watch);
     constexpr std::int64_t most = 1'000'000'000;  // LIGGGHTS counts the steps of one run in an int
@@ -430,6 +537,7 @@ void Simulation::run(std::int64_t steps, const Watch& watch) {
 
 void Simulation::run_to_stress_sample(std::int64_t steps, const Watch& watch) {
     if (state_->planes != nullptr) state_->planes->tally_at(step() + steps);
+    for (FixSurface* surface : state_->surfaces) surface->tally_at(step() + steps);
     run(steps, watch);
 }
 
@@ -438,10 +546,24 @@ std::int64_t Simulation::step() const {
 }
 
 double Simulation::strain() const {
-    return state_->planes->strain_at(step());
+    const double time = state_->model.time_step * static_cast<double>(step() - state_->segment_start);
+    return state_->segment.strain_at(time);
+}
+
+std::vector<Vec3> Simulation::take_wall_forces() {
+    const State& s = *state_;
+    std::vector<Vec3> forces;
+    for (FixSurface* wall : s.surfaces) {
+        const FixSurface::Forces mine = wall->take_forces();
+        Vec3 sum;
+        for (int c = 0; c < 3; ++c) sum[c] = s.total(mine.sum[c]);
+        forces.push_back(s.turned_back(sum) / (std::max(1L, mine.steps) * s.scale * s.scale));
+    }
+    return forces;
 }
 
 PlaneForces Simulation::take_forces() {
+    if (state_->planes == nullptr) return {};
     const FixPlanes::Forces mine = state_->planes->take_forces();
     PlaneForces forces;
     forces.steps = mine.steps;
@@ -471,6 +593,12 @@ double Simulation::largest_speed() const {
     return std::sqrt(state_->largest(squared)) / state_->scale;
 }
 
+std::optional<double> Simulation::periodic_section() const {
+    if (state_->model.lateral == Lateral::free) return {};
+    const LAMMPS_NS::Domain& domain = *state_->session.lmp().domain;
+    return domain.xprd * domain.yprd / (state_->scale * state_->scale);
+}
+
 double Simulation::initial_height() const {
     return state_->planes->motion().initial_height / state_->scale;
 }
@@ -482,10 +610,11 @@ std::int64_t Simulation::particles() const {
 std::int64_t Simulation::particles_behind_planes() const {
     const State& s = *state_;
     if (s.planes == nullptr) return 0;
-    const double half_gap = s.planes->half_gap_at(step()), centre = s.planes->motion().centre;
+    const FixPlanes::Motion& motion = s.planes->motion();
+    const double half_gap = 0.5 * motion.initial_height * std::exp(strain()) + motion.seed_radius;
     const LAMMPS_NS::Atom& atoms = state_->atom();
     double behind = 0;
-    for (int i = 0; i < atoms.nlocal; ++i) behind += std::abs(atoms.x[i][2] - centre) > half_gap;
+    for (int i = 0; i < atoms.nlocal; ++i) behind += std::abs(atoms.x[i][2] - motion.centre[2]) > half_gap;
     return std::llround(state_->total(behind));
 }
 
@@ -505,6 +634,7 @@ void Simulation::save(Checkpoint& checkpoint) const {
     ParticleState& particles = checkpoint.particles;
     particles.tag.assign(atoms.tag, atoms.tag + mine);
     particles.type.assign(atoms.type, atoms.type + mine);
+    particles.image.assign(atoms.image, atoms.image + mine);
     particles.position.assign(mine > 0 ? atoms.x[0] : nullptr, mine > 0 ? atoms.x[0] + 3 * mine : nullptr);
     particles.velocity.assign(mine > 0 ? atoms.v[0] : nullptr, mine > 0 ? atoms.v[0] + 3 * mine : nullptr);
     particles.memory_length.assign(mine, 0);
@@ -518,12 +648,15 @@ void Simulation::save(Checkpoint& checkpoint) const {
         particles.memory_length[i] = static_cast<std::int32_t>(particles.memory.size() - before);
     }
     checkpoint.numbers["solver_loading_start"] = {static_cast<double>(s.loading_start)};
+    checkpoint.numbers["solver_loading"] = {s.loading ? 1.0 : 0.0};
     checkpoint.numbers["solver_hardening"] = s.hardening;
     checkpoint.numbers["solver_step"] = {static_cast<double>(step())};
     checkpoint.numbers["solver_box"] = {domain.boxlo[0], domain.boxlo[1], domain.boxlo[2],
                                         domain.boxhi[0], domain.boxhi[1], domain.boxhi[2]};
     if (s.planes != nullptr)
-        checkpoint.numbers["solver_planes"] = {s.planes->motion().centre, s.planes->motion().initial_height};
+        checkpoint.numbers["solver_planes"] = {s.planes->motion().centre[0], s.planes->motion().centre[1],
+                                               s.planes->motion().centre[2], s.planes->motion().initial_height};
+    if (s.sides != nullptr) checkpoint.numbers["solver_sides"] = s.sides->state();
 }
 
 void Simulation::restore(const FoundCheckpoint& found) {
@@ -538,11 +671,22 @@ void Simulation::restore(const FoundCheckpoint& found) {
         std::copy_n(particles.position.data() + 3 * k, 3, point);
         s.create_particle(particles.type[k], particles.tag[k], point);
         std::copy_n(particles.velocity.data() + 3 * k, 3, atoms.v[atoms.nlocal - 1]);
+        atoms.image[atoms.nlocal - 1] = particles.image[k];
     }
     s.count_particles();
     s.hardening = found.checkpoint.numbers.at("solver_hardening");
     s.loading_start = static_cast<std::int64_t>(found.checkpoint.number("solver_loading_start"));
+    s.loading = found.checkpoint.number("solver_loading") != 0;
     rest();
+    if (const auto planes = found.checkpoint.numbers.find("solver_planes"); planes != found.checkpoint.numbers.end()) {
+        s.add_planes();
+        FixPlanes::Motion motion;
+        std::copy_n(planes->second.data(), 3, motion.centre);
+        motion.initial_height = planes->second.at(3);
+        motion.seed_radius = s.model.seed_radius;
+        motion.first_step = step();
+        s.planes->move(motion);
+    }
     if (s.model.self_contact && s.contact == nullptr) s.remember_contacts();
     if (s.contact != nullptr) {
         ContactMemory& memory = s.contact->memory();
@@ -558,22 +702,17 @@ void Simulation::restore(const FoundCheckpoint& found) {
             }
         }
     }
+    if (const auto sides = found.checkpoint.numbers.find("solver_sides"); sides != found.checkpoint.numbers.end()) {
+        s.add_sides();
+        s.sides->restore(sides->second);
+    }
     const std::vector<double>& box = found.checkpoint.numbers.at("solver_box");
     std::copy_n(box.data(), 3, domain.boxlo);
     std::copy_n(box.data() + 3, 3, domain.boxhi);
     domain.set_global_box();
     domain.set_local_box();
     if (!found.same_processes) LAMMPS_NS::Irregular(&s.session.lmp()).migrate_atoms();
-    set_step(static_cast<std::int64_t>(found.checkpoint.number("solver_step")));
-    if (const auto planes = found.checkpoint.numbers.find("solver_planes"); planes != found.checkpoint.numbers.end()) {
-        s.add_planes();
-        FixPlanes::Motion motion;
-        motion.centre = planes->second.at(0);
-        motion.initial_height = planes->second.at(1);
-        motion.seed_radius = s.model.seed_radius;
-        motion.first_step = step();
-        s.planes->move(motion);
-    }
+    s.session.command(fmt::format("reset_timestep {:.0f}", found.checkpoint.number("solver_step")));
     s.use_laws();
     s.ready = false;
 }
@@ -583,17 +722,15 @@ void Simulation::rest() {
     state_->set_masses([](const PhaseModel& phase) { return phase.natural_period; });
 }
 
-void Simulation::set_step(std::int64_t step) {
-    state_->session.command(fmt::format("reset_timestep {}", step));
-}
-
 RowBlock Simulation::position_rows() const {
     State& s = *state_;
     const LAMMPS_NS::Atom& atoms = s.atom();
     std::vector<double> values;
     values.reserve(3 * static_cast<std::size_t>(atoms.nlocal));
     for (int i = 0; i < atoms.nlocal; ++i) {
-        const Vec3 point = s.centre + s.turned_back(Vec3(atoms.x[i])) / s.scale;
+        Vec3 unwrapped;
+        s.session.lmp().domain->unmap(atoms.x[i], atoms.image[i], unwrapped.data());
+        const Vec3 point = s.centre + s.turned_back(unwrapped) / s.scale;
         values.insert(values.end(), point.begin(), point.end());
     }
     return s.rows(3, values);
@@ -639,6 +776,8 @@ RowBlock Simulation::stress_rows() const {
     });
     for (std::size_t i = 0; i < mine; ++i) {
         if (s.planes != nullptr) values[6 * i + 2] += s.planes->tallied(static_cast<int>(i)) * over_volume;
+        for (const FixSurface* surface : s.surfaces)
+            for (int k = 0; k < 6; ++k) values[6 * i + k] += surface->tallied(static_cast<int>(i))[k] * over_volume;
         double turned[3][3];
         for (int k = 0; k < 6; ++k)
             turned[s.turned(first[k])][s.turned(second[k])] = turned[s.turned(second[k])][s.turned(first[k])] =
@@ -650,7 +789,13 @@ RowBlock Simulation::stress_rows() const {
 
 std::vector<Vec3> Simulation::positions() const {
     State& s = *state_;
-    std::vector<Vec3> points = s.gather(s.atom().x);
+    std::vector<Vec3> unwrapped(s.atom().nlocal);
+    std::vector<double*> rows;
+    for (std::size_t i = 0; i < unwrapped.size(); ++i) {
+        s.session.lmp().domain->unmap(s.atom().x[i], s.atom().image[i], unwrapped[i].data());
+        rows.push_back(unwrapped[i].data());
+    }
+    std::vector<Vec3> points = s.gather(rows.data());
     for (Vec3& point : points) point = s.centre + s.turned_back(point) / s.scale;
     return points;
 }

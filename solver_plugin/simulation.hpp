@@ -4,9 +4,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/load_path.hpp"
+#include "core/mesh.hpp"
 #include "core/model.hpp"
 #include "core/packing.hpp"
 #include "solver_plugin/checkpoint.hpp"
@@ -46,8 +49,12 @@ class Simulation {
     /// A face is at the outermost centre. Planes that pull (TRILIN's) must find more to hold: there a face is where the
     /// layer in their reach, r_c - r_s thick, has as many centres as the sample has on average.
     void place_planes();
-    /// Constant true strain rate (signed) from `strain` on, from the next step.
-    void set_loading(double strain, double rate);
+    /// Adds a rigid surface that begins its motion (mm/s, in the sample's axes) with the next step.
+    /// @param mesh  in the sample's own lengths and coordinates
+    /// @return particles nearer to it than half a seed radius: it stands inside the sample if there are any
+    std::int64_t place_wall(const TriangleMesh& mesh, const Wall& wall);
+    /// Begins a segment of the loading with the next step; gives the particles its random velocities.
+    void set_loading(const LoadSegment& segment);
 
     /// Called between steps: returns after how many it wants to be called again, or throws, which ends the run in
     /// disorder: the simulation is not to be used any more.
@@ -58,8 +65,13 @@ class Simulation {
     std::int64_t step() const;
     double strain() const;
     PlaneForces take_forces();
+    /// Mean force of each wall on the sample since the last call [uN], in the sample's axes, summed over all processes;
+    /// in the order in which the walls were placed.
+    std::vector<Vec3> take_wall_forces();
     Energies energies() const;
     double largest_speed() const;
+    /// Present area between periodic sides [mm^2], in the sample's own lengths; nothing when the sides are free.
+    std::optional<double> periodic_section() const;
     double initial_height() const;  ///< H0 [mm] of the sample's own lengths
     std::int64_t particles() const;
     /// Particles whose centre a plane has passed.
@@ -76,21 +88,22 @@ class Simulation {
     void restore(const FoundCheckpoint& found);
     /// The next run sets LIGGGHTS up anew from the particles as they are.
     void rest();
-    /// Counts on from another step; what moves with the time starts from there when it is set next.
-    void set_step(std::int64_t step);
+    /// The segment that began at an earlier step, after restore().
+    void continue_loading(const LoadSegment& segment, std::int64_t first_step);
 
     /// Values by row, that is in the order of the sample's particles: each process gets its block of rows, in the
     /// sample's axes.
-    RowBlock position_rows() const;  ///< mm
+    RowBlock position_rows() const;  ///< mm, not cut by periodic sides
     RowBlock velocity_rows() const;  ///< mm/s
     /// Stress at the last step, which must be a sample: xx yy zz xy xz yz [Pa], tension positive, as the laws saw it
     /// there. The volume is volume_per_particle().
-    /// sigma_ab = 1/V sum f_a l_b over the contacts of a particle, planes included (thesis eq. 8.12).
+    /// sigma_ab = 1/V sum f_a l_b over the contacts of a particle, planes and walls included (thesis eq. 8.12).
     RowBlock stress_rows() const;
     /// Volume of the sample's box over the number of its particles [mm^3].
     double volume_per_particle() const;
 
-    /// Positions in the order of the sample's particles, on the first process; empty elsewhere.
+    /// Positions in the order of the sample's particles, on the first process; empty elsewhere. Periodic sides do not
+    /// cut them: a particle that leaves goes on outside.
     std::vector<Vec3> positions() const;
 
     /// Sets velocities [mm/s] (in the order of the sample) and returns the forces [uN] at this moment, on the first

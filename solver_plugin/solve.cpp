@@ -35,6 +35,7 @@ void run(const Request& request) {
     const Packing sample = read_sample(request.sample);
     Provenance provenance = cli::provenance();
     provenance.scene = scene.text;
+    for (const Wall& wall : scene.walls) provenance.inputs[wall.surface.string()] = content_digest(wall.surface);
     if (request.control.resume && is_complete(request.run, provenance)) {
         cli::note(fmt::format("'{}' is complete: nothing to do", request.run.string()));
         return;
@@ -45,8 +46,10 @@ void run(const Request& request) {
     cli::report("time_step", result.time_step, "s");
     cli::report("steps", result.cost.steps);
     cli::report("final_strain", result.final_strain);
-    cli::report("final_stress", result.final_stress, "Pa");
-    cli::report("mean_equilibrium_error", result.mean_equilibrium_error);
+    if (!scene.duration) {
+        cli::report("final_stress", result.final_stress, "Pa");
+        cli::report("mean_equilibrium_error", result.mean_equilibrium_error);
+    }
     cli::report("processes", static_cast<std::int64_t>(result.cost.processes));
     cli::report("neighbour_builds", result.cost.neighbour_builds);
     cli::report("wall_seconds", result.cost.wall_seconds, "s");

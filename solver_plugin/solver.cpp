@@ -14,6 +14,8 @@
 #include "core/cli.hpp"
 #include "core/error.hpp"
 #include "core/law/bilin_flow.hpp"
+#include "core/load_path.hpp"
+#include "core/mesh.hpp"
 #include "core/output_file.hpp"
 #include "core/packing_file.hpp"
 #include "core/run_file.hpp"
@@ -187,45 +189,82 @@ void relax_inside(Simulation& simulation, const Model& model, const Packing& sam
     }
 }
 
-/// Means of the plane forces over the last window of strain, point by point.
+/// Reads the surfaces of the scene's walls and stands them around the sample.
+enum class Room { checked, taken };  ///< whether they may stand inside the sample, as they do later in a run
+void place_walls(Simulation& simulation, const Scene& scene, Room room) {
+    for (const Wall& wall : scene.walls) {
+        const auto refuse = [&](const std::string& what) {
+            throw InvalidInput(
+                fmt::format("scene '{}' line {}: wall '{}': {}", scene.path.string(), wall.line, wall.name, what));
+        };
+        try {
+            TriangleMesh mesh = read_mesh(wall.surface);
+            for (Vec3& vertex : mesh.vertices) vertex *= wall.unit;
+            if (const std::int64_t inside = simulation.place_wall(mesh, wall); inside > 0 && room == Room::checked)
+                refuse(
+                    fmt::format("its surface stands inside the sample: {} particles are nearer than half a seed "
+                                "radius; move it, or check its unit",
+                                inside));
+        } catch (const InvalidInput& error) {
+            if (std::string_view(error.what()).starts_with("scene '")) throw;
+            refuse(error.what());
+        }
+    }
+}
+
+/// Mean forces of planes and walls on the sample over some steps.
+struct Forces {
+    PlaneForces planes;
+    std::vector<Vec3> walls;
+    std::int64_t steps = 0;
+};
+
+/// Means of the forces over the last window of strain, point by point.
 class ForceWindow {
  public:
-    void add(const PlaneForces& forces) {
-        recent_.push_back(forces);
+    void add(Forces forces) {
+        recent_.push_back(std::move(forces));
         if (recent_.size() > points_per_window) recent_.pop_front();
     }
-    PlaneForces mean() const {
-        PlaneForces sum;
-        for (const PlaneForces& forces : recent_) {
-            sum.top += forces.top * static_cast<double>(forces.steps);
-            sum.bottom += forces.bottom * static_cast<double>(forces.steps);
-            sum.steps += forces.steps;
+    Forces mean() const {
+        Forces mean{{}, std::vector<Vec3>(recent_.front().walls.size(), Vec3::Zero()), 0};
+        for (const Forces& forces : recent_) mean.steps += forces.steps;
+        for (const Forces& forces : recent_) {
+            const double share = static_cast<double>(forces.steps) / static_cast<double>(mean.steps);
+            mean.planes.top += share * forces.planes.top;
+            mean.planes.bottom += share * forces.planes.bottom;
+            for (std::size_t k = 0; k < mean.walls.size(); ++k) mean.walls[k] += share * forces.walls[k];
         }
-        sum.top /= static_cast<double>(sum.steps);
-        sum.bottom /= static_cast<double>(sum.steps);
-        return sum;
+        return mean;
     }
     std::vector<double> numbers() const {
         std::vector<double> all;
-        for (const PlaneForces& forces : recent_)
-            all.insert(all.end(), {forces.top, forces.bottom, static_cast<double>(forces.steps)});
+        for (const Forces& forces : recent_) {
+            all.insert(all.end(), {forces.planes.top, forces.planes.bottom, static_cast<double>(forces.planes.steps),
+                                   static_cast<double>(forces.steps)});
+            for (const Vec3& force : forces.walls) all.insert(all.end(), force.begin(), force.end());
+        }
         return all;
     }
-    void restore(const std::vector<double>& numbers) {
+    void restore(const std::vector<double>& numbers, std::size_t walls) {
         recent_.clear();
-        for (std::size_t k = 0; k + 3 <= numbers.size(); k += 3)
-            recent_.push_back({numbers[k], numbers[k + 1], static_cast<long>(numbers[k + 2])});
+        for (auto at = numbers.begin(); at != numbers.end();) {
+            Forces forces{{at[0], at[1], static_cast<long>(at[2])}, {}, static_cast<std::int64_t>(at[3])};
+            at += 4;
+            for (std::size_t k = 0; k < walls; ++k, at += 3) forces.walls.emplace_back(at[0], at[1], at[2]);
+            recent_.push_back(std::move(forces));
+        }
     }
 
  private:
-    std::deque<PlaneForces> recent_;
+    std::deque<Forces> recent_;
 };
 
 struct Point {
     double strain, stress_true, stress_engineering, force_top, force_bottom, equilibrium_error, section;
 };
 
-Point measure(double strain, const PlaneForces& forces, double initial_section) {
+Point measure(double strain, const PlaneForces& forces, double section, double initial_section) {
     Point point{};
     point.strain = strain;
     point.force_top = forces.top;
@@ -233,61 +272,39 @@ Point measure(double strain, const PlaneForces& forces, double initial_section) 
     point.force_bottom = -forces.bottom;
     const double force = (forces.top + forces.bottom) / 2;
     const double magnitude = (std::abs(forces.top) + std::abs(forces.bottom)) / 2;
-    point.section = initial_section * std::exp(-strain);
+    point.section = section;
     point.stress_true = force / point.section;
     point.stress_engineering = force / initial_section;
     point.equilibrium_error = magnitude > 0 ? std::abs(point.force_top + point.force_bottom) / magnitude : 0;
     return point;
 }
 
-struct Curve {
-    const char *name, *unit;
+struct CurveValue {
+    std::string name, unit;
+    double value;
 };
-constexpr Curve curves[] = {{"strain", ""},           {"stress_true", "Pa"},      {"stress_engineering", "Pa"},
-                            {"force_top", "uN"},      {"force_bottom", "uN"},     {"equilibrium_error", ""},
-                            {"kinetic_energy", "nJ"}, {"potential_energy", "nJ"}, {"section", "mm^2"}};
 
-/// In the order of `curves`.
-std::vector<double> values(const Point& point, const plugin::Energies& energies) {
-    return {point.strain,     point.stress_true,  point.stress_engineering,
-            point.force_top,  point.force_bottom, point.equilibrium_error,
-            energies.kinetic, energies.seeds,     point.section};
+/// Everything that one point of the curves holds.
+std::vector<CurveValue> curve_values(const Scene& scene, const Point& point, const std::vector<Vec3>& wall_forces,
+                                     const plugin::Energies& energies) {
+    std::vector<CurveValue> all{{"strain", "", point.strain}};
+    if (!scene.steps.empty())
+        all.insert(all.end(), {{"stress_true", "Pa", point.stress_true},
+                               {"stress_engineering", "Pa", point.stress_engineering},
+                               {"force_top", "uN", point.force_top},
+                               {"force_bottom", "uN", point.force_bottom},
+                               {"equilibrium_error", "", point.equilibrium_error},
+                               {"section", "mm^2", point.section}});
+    all.insert(all.end(), {{"kinetic_energy", "nJ", energies.kinetic}, {"potential_energy", "nJ", energies.seeds}});
+    for (std::size_t k = 0; k < scene.walls.size(); ++k)
+        for (int axis = 0; axis < 3; ++axis)
+            all.push_back(
+                {fmt::format("wall_{}_force_{}", scene.walls[k].name, "xyz"[axis]), "uN", wall_forces[k][axis]});
+    return all;
 }
 
 const ParticleField velocity_field{"velocity", "mm s-1", 3};
 const ParticleField stress_field{"stress", "Pa", 6};
-
-/// A stretch of constant rate in whole time steps.
-struct LoadSegment {
-    double strain = 0.0;  ///< at its start
-    double rate = 0.0;    ///< signed [1/s]
-    std::int64_t steps = 0;
-    double time_step = 0.0;
-
-    double strain_at(double time) const { return strain + rate * time; }
-    /// Steps of the points of a curve, about `spacing` of strain apart; the last is `steps`.
-    std::vector<std::int64_t> curve_steps(double spacing) const {
-        const double change = std::abs(rate) * time_step * static_cast<double>(steps);
-        const auto points = std::clamp<std::int64_t>(std::llround(change / spacing), 1, steps);
-        std::vector<std::int64_t> result;
-        for (std::int64_t k = 1; k <= points; ++k) result.push_back(steps * k / points);
-        return result;
-    }
-};
-
-std::vector<LoadSegment> load_path(const Scene& scene, double time_step) {
-    std::vector<LoadSegment> path;
-    double reached = 0;
-    for (const LoadStep& load : scene.steps) {
-        const double change = load.strain - reached;
-        const auto steps =
-            static_cast<std::int64_t>(std::max(1.0, std::round(std::abs(change) / (load.rate * time_step))));
-        // A whole number of steps that ends exactly on the target.
-        path.push_back({reached, change / (static_cast<double>(steps) * time_step), steps, time_step});
-        reached = load.strain;
-    }
-    return path;
-}
 
 /// A point of the curves, and what is done there.
 struct PlannedPoint {
@@ -363,6 +380,7 @@ Inputs inputs_of(const Provenance& provenance) {
 
 /// The planes must not jump over particles.
 void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample) {
+    if (scene.steps.empty()) return;
     double low = 1e300, high = -1e300;
     for (const Vec3& point : sample.position) {
         low = std::min(low, point[scene.axis]);
@@ -482,7 +500,8 @@ class Pressing {
                 relax_inside(simulation(), model_, sample_, default_relaxation_periods, watch);
                 simulation().end_relaxation();
             }
-            simulation().place_planes();
+            if (!scene_.steps.empty()) simulation().place_planes();
+            place_walls(simulation(), scene_, Room::checked);
             if (model_.trilin) {
                 relax_inside(simulation(), model_, sample_, seating_periods, watch);
                 simulation().end_relaxation();
@@ -492,7 +511,6 @@ class Pressing {
                                            StopSignals::name(stop.signal)));
         }
         start_ = simulation().step();
-        simulation().take_forces();  // those of rest do not count
 
         Packing pressed = sample_;
         pressed.box.periodic = {false, false, false};
@@ -501,7 +519,9 @@ class Pressing {
         shape.frames = 1 + static_cast<std::size_t>(std::count_if(plan_.begin(), plan_.end(),
                                                                   [](const auto& point) { return point.frame; }));
         shape.fields = fields_;
-        for (const Curve& curve : curves) shape.curves.push_back({curve.name, curve.unit, plan_.size() + 1});
+        const std::vector<Vec3> no_wall_forces(scene_.walls.size(), Vec3::Zero());
+        for (const CurveValue& curve : curve_values(scene_, {}, no_wall_forces, {}))
+            shape.curves.push_back({curve.name, curve.unit, plan_.size() + 1});
         together(communicator_, [&] {
             if (first_) create_run_file(pressed, shape, provenance, partial_, run_file_);
         });
@@ -510,7 +530,7 @@ class Pressing {
         const plugin::Energies energies = simulation().energies();
         refuse_collapse(simulation(), energies.seeds, model_, sample_, "at the start");
         write_frame();
-        write_point(0, measure(0, {}, initial_section_), energies);
+        write_point(0, measure(0, {}, initial_section_, initial_section_), no_wall_forces, energies);
         take_snapshot();
     }
 
@@ -529,6 +549,7 @@ class Pressing {
         });
         kept_ = true;
         simulation().restore(found);
+        place_walls(simulation(), scene_, Room::taken);
         next_ = static_cast<std::size_t>(checkpoint.number("next_point"));
         start_ = static_cast<std::int64_t>(checkpoint.number("first_step"));
         frames_ = static_cast<std::size_t>(checkpoint.number("frames"));
@@ -537,10 +558,13 @@ class Pressing {
         samples_ = static_cast<std::int64_t>(checkpoint.number("samples"));
         last_stress_ = checkpoint.number("last_stress");
         last_strain_ = checkpoint.number("last_strain");
-        window_.restore(checkpoint.numbers.at("window"));
+        window_.restore(checkpoint.numbers.at("window"), scene_.walls.size());
         meter_.carry(checkpoint.number("wall_seconds"), checkpoint.number("cpu_seconds"));
         sums_ = checkpoint.sums;
-        if (next_ < plan_.size() && plan_[next_].from > 0) enter(plan_[next_].segment);
+        if (next_ < plan_.size() && plan_[next_].from > 0) {
+            const std::size_t segment = plan_[next_].segment;
+            simulation().continue_loading(segments_[segment], segment_start(segment));
+        }
         open();
         cli::note(fmt::format("going on {}{}", where(),
                               found.same_processes ? ""
@@ -555,16 +579,9 @@ class Pressing {
         last_checkpoint_ = std::chrono::steady_clock::now();
     }
 
-    void enter(std::size_t segment) {
-        const std::int64_t now = simulation().step(), begins = segment_start(segment);
-        if (now != begins) simulation().set_step(begins);
-        simulation().set_loading(segments_[segment].strain, segments_[segment].rate);
-        if (now != begins) simulation().set_step(now);
-    }
-
     /// Runs to a point, and does what is due there.
     void reach(const PlannedPoint& point) {
-        if (point.from == 0) enter(point.segment);
+        if (point.from == 0) simulation().set_loading(segments_[point.segment]);
         const auto pieces = watching(watch_, simulation());
         const std::int64_t steps = point.to - point.from;
         if (point.sampled) {
@@ -583,10 +600,13 @@ class Pressing {
                        fmt::format("at strain {:.3f}", simulation().strain()));
         refuse_collapse(simulation(), energies.seeds, model_, sample_,
                         fmt::format("at strain {:.3f}", simulation().strain()));
-        window_.add(simulation().take_forces());
-        const Point measured = measure(simulation().strain(), window_.mean(), initial_section_);
+        window_.add({simulation().take_forces(), simulation().take_wall_forces(), steps});
+        const Forces forces = window_.mean();
+        const double strain = simulation().strain();
+        const double section = simulation().periodic_section().value_or(initial_section_ * std::exp(-strain));
+        const Point measured = measure(strain, forces.planes, section, initial_section_);
         ++next_;
-        write_point(next_, measured, energies);
+        write_point(next_, measured, forces.walls, energies);
         if (point.travelled > scene_.path_length() / 2) {
             error_sum_ += measured.equilibrium_error;
             ++error_points_;
@@ -595,7 +615,6 @@ class Pressing {
         last_strain_ = measured.strain;
         if (point.frame) write_frame();
         if (point.rest) {
-            simulation().rest();
             take_snapshot();
             if (is_due()) write_snapshot();
         }
@@ -637,15 +656,18 @@ class Pressing {
         ++frames_;
     }
 
-    void write_point(std::size_t index, const Point& point, const plugin::Energies& energies) {
-        const std::vector<double> all = values(point, energies);
+    void write_point(std::size_t index, const Point& point, const std::vector<Vec3>& wall_forces,
+                     const plugin::Energies& energies) {
         together(communicator_, [&] {
-            for (std::size_t k = 0; first_ && k < all.size(); ++k)
-                file_->write_point(curves[k].name, index, step(), time(step()), all[k]);
+            if (!first_) return;
+            for (const CurveValue& curve : curve_values(scene_, point, wall_forces, energies))
+                file_->write_point(curve.name, index, step(), time(step()), curve.value);
         });
     }
 
+    /// The moment that a resumed run goes on from: this one, too, goes on as if it were resumed.
     void take_snapshot() {
+        simulation().rest();
         if (control_.checkpoint_minutes <= 0) return;
         simulation().save(snapshot_);
         const Cost cost = meter_.cost(0, 0);
@@ -769,7 +791,8 @@ Relaxation relax(const Packing& sample, const Scene& scene, double periods, MPI_
     result.residual_energy = reduced_energy(simulation.energies().kinetic, model, sample);
     result.sample = sample;
     result.sample.position = simulation.positions();
-    result.sample.box.periodic = {false, false, false};
+    for (int axis = 0; axis < 3; ++axis)
+        result.sample.box.periodic[axis] = model.lateral != Lateral::free && axis != scene.axis;
     result.sample.relaxed = true;
     for (std::size_t k = 0; k < result.sample.position.size(); ++k)
         result.largest_displacement = std::max(

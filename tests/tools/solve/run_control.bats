@@ -187,7 +187,7 @@ END
     press_scene other.toml -0.25
     refuses 1 "cannot go on from 'run.h5.checkpoint': it was made with another scene" \
         solve relaxed.h5 other.toml run.h5 --resume
-    refuses 1 "cannot go on from 'run.h5.checkpoint': it was made with another sample" \
+    refuses 1 "cannot go on from 'run.h5.checkpoint': it was made with another sample or wall" \
         solve sample.h5 scene.toml run.h5 --resume
     mv run.h5.partial elsewhere
     refuses 1 "'run.h5.partial', are not there" solve relaxed.h5 scene.toml run.h5 --resume

@@ -63,7 +63,7 @@ TEST(Scene, IsReadWhole) {
     EXPECT_TRUE(scene.phase(2).objects);
     EXPECT_EQ(scene.axis, 0);
     ASSERT_EQ(scene.steps.size(), 2u);
-    EXPECT_DOUBLE_EQ(scene.steps[1].rate, 1e-4);
+    EXPECT_EQ(scene.steps[1].rate, std::vector{1e-4});
     EXPECT_DOUBLE_EQ(scene.highest_rate(), 1e-3);
     EXPECT_DOUBLE_EQ(scene.path_length(), 0.3);
     EXPECT_FALSE(scene.time_step.has_value());
@@ -146,6 +146,111 @@ TEST(Hardening, IsTheThesisCrystallisationLaw) {
     const Hardening law{{}, 2.91e-4, 1.82e-3, 4.24, 0.951, 600};
     EXPECT_NEAR(law.factor(0), 1.011, 0.001);
     EXPECT_NEAR(law.factor(1800), 2.91e-4 * std::exp(1.82e-3 * 2400 + 4.24) + 0.951, 1e-12);
+}
+
+TEST(Scene, ReadsAPolynomialRate) {
+    const Scene scene = parse_scene(with("rate = 1e-3", "rate = [1e-3, 2e-5]"), "s.toml");
+    EXPECT_EQ(scene.steps[0].rate, (std::vector{1e-3, 2e-5}));
+    // 1e-3 t + 1e-5 t^2 = 0.1 after 61.8 s.
+    EXPECT_NEAR(scene.highest_rate(), std::sqrt(1e-6 + 4 * 1e-5 * 0.1), 1e-12);
+}
+
+TEST(Scene, RefusesARateThatFallsToZeroBeforeTheTarget) {
+    // 1e-3 t - 1e-5 t^2 / 2 ends at 0.05.
+    expect_refused(with("rate = 1e-3", "rate = [1e-3, -1e-5]"), "21", "falls to zero after 100 s, at strain -0.05");
+    expect_refused(with("rate = 1e-3", "rate = []"), "21", "coefficients of a polynomial");
+    expect_refused(with("rate = 1e-3", "rate = [0, 1e-3]"), "21", "the first above 0");
+    expect_refused(with("rate = 1e-3", "rate = [1e-3, inf]"), "21", "coefficients of a polynomial");
+    expect_refused(with("rate = 1e-3", "rate = [1e-3, \"2\"]"), "21", "rate in a step of [load] must be a number");
+}
+
+/// The whole scene with walls behind it; the first line of `walls` is 27.
+std::string with_walls(const std::string& walls) {
+    return whole + walls;
+}
+
+const std::string tool = "[[wall]]\nname = \"tool\"\nsurface = \"tool.stl\"\n";
+
+TEST(Scene, ReadsWalls) {
+    const Scene scene =
+        parse_scene(with_walls(tool + "unit = \"um\"\nvelocity = [0, 0.5, -1]\nstart = \"1 min\"\nstop = 90\n"
+                                      "[[wall]]\nname = \"die\"\nsurface = \"/abs/die.ply\"\n"),
+                    "folder/s.toml");
+    ASSERT_EQ(scene.walls.size(), 2u);
+    EXPECT_EQ(scene.walls[0].name, "tool");
+    EXPECT_EQ(scene.walls[0].surface, "folder/tool.stl");
+    EXPECT_DOUBLE_EQ(scene.walls[0].unit, 1e-3);
+    EXPECT_EQ(scene.walls[0].velocity, (std::array{0.0, 0.5, -1.0}));
+    EXPECT_EQ(scene.walls[0].start, 60);
+    EXPECT_EQ(scene.walls[0].stop, 90);
+    EXPECT_EQ(scene.walls[0].line, 27);
+    EXPECT_EQ(scene.walls[1].surface, "/abs/die.ply");
+    EXPECT_EQ(scene.walls[1].velocity, (std::array{0.0, 0.0, 0.0}));
+}
+
+TEST(Scene, RefusesAWallThatIsNotDescribed) {
+    expect_refused(with_walls("[[wall]]\nsurface = \"t.stl\"\n"), "27", "[[wall]] has no 'name'");
+    expect_refused(with_walls("[[wall]]\nname = \"t\"\n"), "27", "[[wall]] has no 'surface'");
+    expect_refused(with_walls("[[wall]]\nname = \"a b\"\nsurface = \"t.stl\"\n"), "28", "letters, digits");
+    expect_refused(with_walls("[[wall]]\nname = 3\nsurface = \"t.stl\"\n"), "28", "name in [[wall]] must be a string");
+    expect_refused(with_walls(tool + tool), "30", "two walls are called 'tool'");
+    expect_refused(with_walls("[wall]\nname = \"t\"\n"), "27", "walls are written [[wall]]");
+    expect_refused(with_walls(tool + "unit = \"s\"\n"), "30", "expected a length");
+    expect_refused(with_walls(tool + "velocity = [0, 1]\n"), "30", "three numbers");
+    expect_refused(with_walls(tool + "velocity = 1\n"), "30", "three numbers");
+    expect_refused(with_walls(tool + "velocity = [0, 1, inf]\n"), "30", "three numbers");
+    expect_refused(with_walls(tool + "start = -1\n"), "30", "expected 0 or more");
+    expect_refused(with_walls(tool + "start = 2\nstop = 1\n"), "27", "must stop after its start");
+    expect_refused(with_walls(tool + "speed = 2\n"), "30", "unknown key 'speed' in [[wall]]");
+}
+
+/// The whole scene with its steps replaced by `load`.
+std::string loaded(const std::string& load) {
+    return with("steps = [ { strain = -0.1, rate = 1e-3 }, { strain = -0.3, rate = \"1e-4 1/s\" } ]", load);
+}
+
+TEST(Scene, ReadsADurationForWallsAlone) {
+    const Scene scene = parse_scene(loaded("duration = \"5 min\"\nrate = 1e-3") + tool, "s.toml");
+    EXPECT_TRUE(scene.steps.empty());
+    EXPECT_EQ(scene.duration, 300);
+    EXPECT_EQ(scene.highest_rate(), 1e-3);
+    EXPECT_DOUBLE_EQ(scene.path_length(), 0.3);
+}
+
+TEST(Scene, RefusesALoadThatIsNoneOrTwo) {
+    expect_refused(loaded(""), "19", "[load] has no 'steps'");
+    expect_refused(loaded("duration = 300\nrate = 1e-3"), "21", "for scenes with walls");
+    expect_refused(loaded("duration = 300") + tool, "19", "[load] has no 'rate'");
+    expect_refused(loaded("duration = \"300\"\nrate = 1e-3") + tool, "21", "no unit");
+    expect_refused(loaded("steps = [ { strain = -0.1, rate = 1e-3 } ]\nduration = 300") + tool, "21", "both steps and");
+    expect_refused(loaded("steps = [ { strain = -0.1, rate = 1e-3 } ]\nrate = 1"), "22", "goes with duration");
+}
+
+TEST(Scene, ReadsTheInitiationAndTheLateralSides) {
+    const Scene scene = parse_scene(
+        with("axis = \"x\"", "axis = \"x\"\ninitiation = { strain = 0.02, noise = 0.1 }\nlateral = \"periodic\""),
+        "s.toml");
+    EXPECT_DOUBLE_EQ(scene.initiation->strain, 0.02);
+    EXPECT_DOUBLE_EQ(scene.initiation->noise, 0.1);
+    EXPECT_TRUE(scene.initiation->affine);
+    EXPECT_EQ(scene.lateral, Lateral::periodic);
+    const Scene plain = parse_scene(whole, "s.toml");
+    EXPECT_FALSE(plain.initiation.has_value());
+    EXPECT_EQ(plain.lateral, Lateral::free);
+}
+
+TEST(Scene, RefusesAnInitiationOrSidesThatCannotBe) {
+    const auto load = [](const std::string& text) { return with("axis = \"x\"", text); };
+    expect_refused(load("initiation = { noise = 0.1 }"), "20", "has no 'strain'");
+    expect_refused(load("initiation = { strain = 0 }"), "20", "expected more than 0");
+    expect_refused(load("initiation = { strain = 0.01, noise = -1 }"), "20", "expected 0 to 10");
+    expect_refused(load("initiation = { strain = 0.01, affine = 1 }"), "20", "must be true or false");
+    expect_refused(load("initiation = { strain = 0.06 }"), "20", "longer than half the step from 0 to -0.1");
+    expect_refused(load("initiation = 0.02"), "20", "must be a table");
+    expect_refused(load("lateral = \"fixed\""), "20", "must be \"free\", \"periodic\" or \"isochoric\"");
+    const std::string alone = "duration = 300\nrate = 1e-3\n";
+    expect_refused(loaded(alone + "lateral = \"periodic\"") + tool, "23", "needs steps");
+    expect_refused(loaded(alone + "initiation = { strain = 0.01 }") + tool, "23", "needs steps");
 }
 
 TEST(Scene, RefusesASyntaxErrorWithItsLine) {

@@ -18,6 +18,7 @@ class CheckpointFile : public InTemporaryFolder {
         Checkpoint checkpoint;
         checkpoint.particles.tag = {3, 1, 2};
         checkpoint.particles.type = {1, 2, 1};
+        checkpoint.particles.image = {7, -8, 9};
         checkpoint.particles.position = {0.1, 1.0 / 3, -2e-300, 4, 5, 6, 7, 8, 9};
         checkpoint.particles.velocity = {-0.0, 1, 2, 3, 4, 5, 6, 7, 8};
         checkpoint.particles.memory_length = {0, 3, 1};
@@ -36,6 +37,7 @@ TEST_F(CheckpointFile, GivesTheSameStateAgainBitByBit) {
     EXPECT_TRUE(found.same_processes);
     EXPECT_EQ(read.tag, written.tag);
     EXPECT_EQ(read.type, written.type);
+    EXPECT_EQ(read.image, written.image);
     EXPECT_EQ(read.position, written.position);
     EXPECT_EQ(read.velocity, written.velocity);
     EXPECT_TRUE(std::signbit(read.velocity.front()));

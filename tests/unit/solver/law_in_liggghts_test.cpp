@@ -109,7 +109,7 @@ TEST_P(LawInLiggghts, ActsBetweenParticleAndPlane) {
             Simulation simulation(pair, model, 2, MPI_COMM_WORLD);
             simulation.place_planes();
             // The planes start one seed radius outside and close by a strain: the distance to both is then `distance`.
-            simulation.set_loading(std::log(1 + 2 * (distance - model.seed_radius) / 10), 0);
+            simulation.set_loading({.strain = std::log(1 + 2 * (distance - model.seed_radius) / 10)});
             const auto forces = simulation.forces_at({Vec3(0, 0, speed_away), Vec3(0, 0, -speed_away)});
             const double expected = law::pair_force(law, distance, speed_away);
             EXPECT_NEAR(forces[0].z(), expected, relative * law.repulsive_stiffness) << distance << ' ' << speed_away;

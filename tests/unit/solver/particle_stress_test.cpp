@@ -57,7 +57,8 @@ TEST(ParticleStress, OfAColumnAtRestSumsUpToTheForceOnThePlanesTimesTheirDistanc
     Simulation simulation(sample, heavy_model(sample), 1, MPI_COMM_WORLD);
     simulation.place_planes();
     const double height = simulation.initial_height();
-    simulation.set_loading(0, std::log(1 - 2 * overlap / height) / time_step);
+    simulation.set_loading(
+        {.rate = {std::log(1 - 2 * overlap / height) / time_step}, .steps = 1, .time_step = time_step});
     simulation.run_to_stress_sample(1);
     const RowBlock stress = simulation.stress_rows();
     const plugin::PlaneForces forces = simulation.take_forces();
