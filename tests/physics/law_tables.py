@@ -29,7 +29,7 @@ DENSITIES = {"bilin": {2000: 0.70, 5000: 0.70, 50000: 0.65}, "trilin": {5000: 0.
 THESIS = {"A": {"K": 95.9, "M": 2.45e-3}, "B": {"K": 5020.0, "M": 0.490}, "TRILIN": {"K": 49.1, "M": 7.14e-2}}
 FLOW_STRAIN, HALF_WINDOW = 0.30, 0.05  # of the flow stress
 SEATING = 0.06  # strain by which a sample is pressed before it is pulled: the planes grip a relaxed face on few particles
-SMOOTHING = 0.02  # strain, of the tension curve whose fall is looked at
+SMOOTHING = 0.06  # strain, of the tension curve whose fall is looked at
 NECK, RUPTURE = 0.85, 0.02  # of the highest stress
 
 PHASES = {
@@ -120,14 +120,14 @@ def pulled(particles, packing, rate, seating=SEATING):
 
 
 def cost_run(phase, packing, factor):
-    return Run(phase, 2000, packing, 1e-3, -0.35, factor)
+    return Run(phase, 2000, packing, 1e-3, -0.35, float(factor))
 
 
 def plan(request):
     """Every run, in the order in which they are done: a table of one packing before the second packing."""
     packings = range(1, request.packings + 1)
     step_a, step_b = 2.5e-5, 2.5e-5 if request.quick else 5e-6
-    small, large, cost = [], [], []
+    small, large, cost, fine = [], [], [], []
     for rate in reversed(BILIN_RATES):
         small += [bilin_run("B", 5000, p, rate, step_b) for p in packings]
         small += [bilin_run("A", 5000, p, rate, step_a) for p in packings]
@@ -137,6 +137,7 @@ def plan(request):
     if not request.quick:
         cost += [cost_run(phase, p, factor) for phase in "BA" for factor in (50, 10) for p in packings]
         cost += [cost_run("B", 1, 1), cost_run("A", 1, 1)]
+        fine = [Run("A", 5000, p, rate, -0.35, 10.0) for p in packings for rate in (1e-3, 3.16e-4, 1e-4)]
         for p in packings:
             large += [bilin_run("B", 50000, p, rate, 2.5e-5) for rate in (1e-3, 1e-4)]
             large += [bilin_run("A", 50000, p, 1e-3, 2.5e-5)]
@@ -152,6 +153,8 @@ def plan(request):
             large += [bilin_run("A", 50000, p, rate, 2.5e-5) for rate in (3.16e-4, 1e-4)]
         large += [Run("TRILIN", 50000, 1, 3.16e-5, strain, frames=4, seating=seating)
                   for strain, seating in ((-0.4, 0.0), (0.4, SEATING))]
+        large[6:6] = fine[:3]
+        large += fine[3:]
     runs = small + cost + large
     return [run for run in runs if ("cost" if run.particles == 2000 else run.law) in request.laws
             and run.particles in (2000, *request.particles)]
@@ -302,18 +305,19 @@ class Tables:
 
     def bilin(self):
         for particles in (5000, 50000):
-            for phase in "AB":
-                groups = [[curve for curve in self.group(phase=phase, particles=particles, rate=rate)]
-                          for rate in BILIN_RATES]
+            for phase, factor in [("A", factor) for factor in sorted({run.cost_factor for run in self.curves})] + [("B", None)]:
+                same = {} if factor is None else {"cost_factor": factor}
+                groups = [self.group(phase=phase, particles=particles, rate=rate, **same) for rate in BILIN_RATES]
                 if not any(groups):
                     continue
+                name = f"{phase} {particles}" + (f" s{factor:g}" if factor else "")
                 self.table(f"BILIN, phase {phase}, {particles} particles, D = {DENSITIES['bilin'][particles]}", "rate [1/s]",
                            "s", "packings", "flow stress at 0.3 [MPa]", "thesis", "equilibrium error", "volume at 0.3")
                 for rate, group in zip(BILIN_RATES, groups):
                     if not group:
                         continue
                     stresses = [curve.flow() for curve in group]
-                    key = f"{phase} {particles} {rate:g}"
+                    key = f"{name} {rate:g}"
                     self.keep(key + " stress", stresses)
                     self.keep(key + " equilibrium", [curve.equilibrium() for curve in group])
                     self.keep(key + " volume", [curve.volume_at(0.3) for curve in group])
@@ -322,19 +326,22 @@ class Tables:
                              f"{np.mean([curve.equilibrium() for curve in group]):.3%}",
                              percent([curve.volume_at(0.3) for curve in group]))
                 self.lines.append("")
-                self.norton_line(f"{phase} {particles}", f"phase {phase}, {particles} particles", groups)
+                self.norton_line(name, f"phase {phase}, {particles} particles", groups)
 
     def cost(self):
         runs = sorted({(run.phase, run.cost_factor) for run in self.curves if run.particles == 2000})
         if not runs:
             return
         self.table("Cost factor s, 2000 particles, D = 0.70, 1e-3 /s", "phase", "s", "time steps", "packings",
-                   "flow stress at 0.3 [MPa]", "equilibrium error", "volume at 0.3")
+                   "flow stress at 0.3 [MPa]", "over that at s = 10, same packing", "equilibrium error", "volume at 0.3")
         for phase, factor in runs:
+            reference = {curve.run.packing: curve.flow()
+                         for curve in self.group(phase=phase, particles=2000, cost_factor=10)}
             group = self.group(phase=phase, particles=2000, cost_factor=factor)
             self.keep(f"{phase} 2000 s{factor:g} stress", [curve.flow() for curve in group])
             self.row(phase, f"{factor:g}", f"{0.35 / (1e-3 * group[0].run.time_step):.0f}", f"{len(group)}",
                      pm([curve.flow() for curve in group], ".1f"),
+                     pm([curve.flow() / reference.get(curve.run.packing, np.nan) for curve in group], ".3f"),
                      f"{np.mean([curve.equilibrium() for curve in group]):.3%}",
                      percent([curve.volume_at(0.3) for curve in group]))
 
@@ -373,6 +380,28 @@ class Tables:
             for name, column in (("compression", 0), ("tension", 1)):
                 self.norton_line(f"TRILIN {particles} {name}", f"TRILIN, {particles} particles, {name}",
                                  [load[column] for load in loads])
+            self.mean_of_both(particles, loads)
+
+    def mean_of_both(self, particles, loads):
+        """Norton's law through the mean of tension and compression, which is what the thesis states."""
+        stresses = {}
+        for rate, load in zip(TRILIN_RATES, loads):
+            for pressed in load[0]:
+                for pulled in load[1]:
+                    if pressed.run.packing == pulled.run.packing:
+                        stresses.setdefault(pressed.run.packing, []).append((rate, (pressed.flow() + pulled.flow()) / 2))
+        most = max(map(len, stresses.values()), default=0)
+        if most < 2:
+            return
+        fits = np.array([np.polyfit(*np.log(points).T, 1) for points in map(np.array, stresses.values())
+                         if len(points) == most])
+        wanted = THESIS["TRILIN"]
+        self.keep(f"TRILIN {particles} mean M", fits[:, 0])
+        self.keep(f"TRILIN {particles} mean K", np.exp(fits[:, 1]))
+        self.lines.append("")
+        self.lines.append(f"TRILIN, {particles} particles, mean of both: M = {pm(fits[:, 0], '.4f')} (thesis "
+                          f"{wanted['M']:g}), K = {pm(np.exp(fits[:, 1]), '.4g')} MPa.s^M (thesis {wanted['K']:g}); "
+                          f"{most} rates, {len(fits)} packings")
 
     def ends(self):
         keys = sorted({(run.particles, run.rate) for run in self.curves if run.phase == "TRILIN"})
@@ -410,24 +439,29 @@ class Tables:
         matplotlib.use("Agg")
         from matplotlib import pyplot
         colours = {rate: f"C{i}" for i, rate in enumerate([1e-4, 3.16e-4, 1e-3, 3.16e-5, 3.16e-3])}
-        figure, axes = pyplot.subplots(2, 3, figsize=(15, 8), constrained_layout=True)
-        for row, particles in zip(axes, (5000, 50000)):
-            for axis, phase in zip(row, ("A", "B", "TRILIN")):
-                rates = {}
-                for curve in self.group(phase=phase, particles=particles):
-                    sign = np.sign(curve.run.strain)
-                    style = ":" if sign > 0 and not curve.run.seating else "-"
-                    line, = axis.plot(curve.strain, sign * curve.stress, lw=0.8, ls=style, color=colours[curve.run.rate])
-                    rates[curve.run.rate] = line
+        sizes = [size for size in (5000, 50000) if self.group(particles=size)]
+        figure, axes = pyplot.subplots(max(1, len(sizes)), 3, figsize=(15, 4 * max(1, len(sizes))), squeeze=False,
+                                       constrained_layout=True)
+        for row, particles in zip(axes, sizes):
+            for axis, phase in zip(row, PHASES):
+                group = self.group(phase=phase, particles=particles)
+                for curve in group:
+                    straight = curve.run.strain > 0 and not curve.run.seating
+                    axis.plot(curve.strain, np.sign(curve.run.strain) * curve.stress, lw=0.8,
+                              ls=":" if straight else "-", color=colours[curve.run.rate])
+                rates = sorted({curve.run.rate for curve in group})
                 for rate in rates:
                     wanted = norton(THESIS[phase], rate)
                     for value in (wanted, -wanted) if phase == "TRILIN" else (-wanted,):
                         axis.axhline(value, ls="--", lw=1, color=colours[rate])
+                    axis.plot([], [], color=colours[rate], label=f"{rate:g} /s")
+                if any(curve.run.seating for curve in group):
+                    axis.plot([], [], ":", color="k", label="not pressed first")
                 axis.set_title(f"{phase if phase == 'TRILIN' else 'BILIN ' + phase}, {particles} particles")
                 axis.set_xlabel("|true strain|")
-                axis.set_ylabel("true stress [MPa] (dashed: thesis' Norton law)")
+                axis.set_ylabel("true stress [MPa] (dashed: thesis)")
                 if rates:
-                    axis.legend([rates[rate] for rate in sorted(rates)], [f"{rate:g} /s" for rate in sorted(rates)])
+                    axis.legend()
         figure.savefig(name, dpi=110)
 
 
