@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 """Flow stress, Norton law, volume, equilibrium, necking and rupture of BILIN and TRILIN, beside the thesis' figures.
 
-usage: law_tables.py BIN [--folder law_tables] [--laws bilin trilin cost] [--particles 5000 50000] [--packings 3] [--quick]
-                         [--tables]
+usage: law_tables.py BIN [--folder law_tables] [--laws bilin trilin cost] [--particles 5000 50000] [--packings 3]
+                         [--quick] [--tables]
 
-Packs, relaxes and presses every sample with the executables in BIN, then prints the tables and writes FOLDER/curves.png,
-FOLDER/tables.json and FOLDER/tables.md. A finished run stays in the folder and is not done again. Runs go one after
-the other, those that make a table of small samples first.
+Packs, relaxes and presses every sample with the executables in BIN, then prints the tables and writes curves.png,
+tables.json and tables.md into the folder. A finished run stays there and is not done again. Runs go one after the
+other, those that make a table of small samples first.
   --quick    5,000 particles, larger steps, no slowest rate of TRILIN, no cost table: minutes
   --tables   tables of the runs that are finished, without a new one
 """
@@ -28,7 +28,7 @@ TRILIN_RATES = [3.16e-5, 3.16e-4, 3.16e-3]
 DENSITIES = {"bilin": {2000: 0.70, 5000: 0.70, 50000: 0.65}, "trilin": {5000: 0.74, 50000: 0.74}}
 THESIS = {"A": {"K": 95.9, "M": 2.45e-3}, "B": {"K": 5020.0, "M": 0.490}, "TRILIN": {"K": 49.1, "M": 7.14e-2}}
 FLOW_STRAIN, HALF_WINDOW = 0.30, 0.05  # of the flow stress
-SEATING = 0.06  # strain by which a sample is pressed before it is pulled: the planes grip a relaxed face on few particles
+SEATING = 0.06  # strain of pressing before pulling: the planes hold a relaxed, rough face by few particles
 SMOOTHING = 0.06  # strain, of the tension curve whose fall is looked at
 NECK, RUPTURE = 0.85, 0.02  # of the highest stress
 
@@ -124,39 +124,31 @@ def cost_run(phase, packing, factor):
 
 
 def plan(request):
-    """Every run, in the order in which they are done: a table of one packing before the second packing."""
+    """Every run, in the order in which they are done: small and fast ones first, one packing before the others."""
     packings = range(1, request.packings + 1)
-    step_a, step_b = 2.5e-5, 2.5e-5 if request.quick else 5e-6
-    small, large, cost, fine = [], [], [], []
+    step = 2.5e-5  # strain in a time step at the greatest rate
+    small, cost, fast, slow, slowest = [], [], [], [], []
     for rate in reversed(BILIN_RATES):
-        small += [bilin_run("B", 5000, p, rate, step_b) for p in packings]
-        small += [bilin_run("A", 5000, p, rate, step_a) for p in packings]
+        small += [bilin_run("B", 5000, p, rate, step if request.quick else 5e-6) for p in packings]
+        small += [bilin_run("A", 5000, p, rate, step) for p in packings]
     for rate in (3.16e-3, 3.16e-4):
         small += [run for p in packings for run in (pressed(5000, p, rate), pulled(5000, p, rate))]
         small += [pulled(5000, p, rate, seating=0.0) for p in packings]
     if not request.quick:
-        cost += [cost_run(phase, p, factor) for phase in "BA" for factor in (50, 10) for p in packings]
+        cost = [cost_run(phase, p, factor) for phase in "BA" for factor in (50, 10) for p in packings]
         cost += [cost_run("B", 1, 1), cost_run("A", 1, 1)]
-        fine = [Run("A", 5000, p, rate, -0.35, 10.0) for p in packings for rate in (1e-3, 3.16e-4, 1e-4)]
         for p in packings:
-            large += [bilin_run("B", 50000, p, rate, 2.5e-5) for rate in (1e-3, 1e-4)]
-            large += [bilin_run("A", 50000, p, 1e-3, 2.5e-5)]
-            large += [pressed(50000, p, 3.16e-3), pulled(50000, p, 3.16e-3)]
-            large += [bilin_run("B", 50000, p, 3.16e-4, 2.5e-5)]
-            if p == 1:
-                large += [pressed(50000, p, 3.16e-4), pulled(50000, p, 3.16e-4)]
-                large += [pressed(5000, p, 3.16e-5), pulled(5000, p, 3.16e-5)]
-        for p in packings:
-            if p > 1:
-                large += [pressed(50000, p, 3.16e-4), pulled(50000, p, 3.16e-4)]
-                large += [pressed(5000, p, 3.16e-5), pulled(5000, p, 3.16e-5)]
-            large += [bilin_run("A", 50000, p, rate, 2.5e-5) for rate in (3.16e-4, 1e-4)]
-        large += [Run("TRILIN", 50000, 1, 3.16e-5, strain, frames=4, seating=seating)
-                  for strain, seating in ((-0.4, 0.0), (0.4, SEATING))]
-        large[6:6] = fine[:3]
-        large += fine[3:]
-    runs = small + cost + large
-    return [run for run in runs if ("cost" if run.particles == 2000 else run.law) in request.laws
+            fast.append([bilin_run("A", 50000, p, 1e-3, step), pressed(50000, p, 3.16e-3), pulled(50000, p, 3.16e-3),
+                         *(bilin_run("B", 50000, p, rate, step) for rate in reversed(BILIN_RATES))])
+            slow.append([pressed(5000, p, 3.16e-5), pulled(5000, p, 3.16e-5),
+                         pulled(50000, p, 3.16e-3, seating=0.0), pressed(50000, p, 3.16e-4), pulled(50000, p, 3.16e-4)])
+            slowest.append([bilin_run("A", 50000, p, 3.16e-4, step), bilin_run("A", 50000, p, 1e-4, step),
+                            *(Run("A", 5000, p, rate, -0.35, 10.0) for rate in reversed(BILIN_RATES))])
+        slowest.append([Run("TRILIN", 50000, 1, 3.16e-5, -0.4, frames=4),
+                        Run("TRILIN", 50000, 1, 3.16e-5, 0.4, frames=4, seating=SEATING)])
+    stages = [small, cost, *fast[:1], *slow[:1], *fast[1:], *slow[1:], *slowest]
+    return [run for stage in stages for run in stage
+            if ("cost" if run.particles == 2000 else run.law) in request.laws
             and run.particles in (2000, *request.particles)]
 
 
@@ -237,9 +229,9 @@ class Curve:
         """First strain after the peak at which the smoothed stress is below a share of it; nan if it never is."""
         stress = self.smoothed()
         peak = int(np.argmax(stress))
-        below = np.nonzero(stress[peak:] < share * stress[peak])[0]
-        return self.strain[peak + below[0]] if len(below) and self.strain[peak + below[0]] < self.strain[-1] - SMOOTHING \
-            else np.nan
+        below = self.strain[peak:][stress[peak:] < share * stress[peak]]
+        # The window of the last points reaches beyond the curve.
+        return below[0] if len(below) and below[0] < self.strain[-1] - SMOOTHING else np.nan
 
 
 class Tables:
@@ -270,7 +262,8 @@ class Tables:
 
     def keep(self, key, values):
         """Mean, spread and number, under a name."""
-        self.numbers[key] = {"mean": float(np.mean(values)), "spread": spread(values), "values": list(map(float, values))}
+        self.numbers[key] = {"mean": float(np.mean(values)), "spread": spread(values),
+                             "values": [float(value) for value in values]}
 
     def group(self, **wanted):
         return [curve for run, curve in self.curves.items()
@@ -299,20 +292,23 @@ class Tables:
             self.keep(key + " K", fits[:, 0])
             self.keep(key + " M", fits[:, 1])
             rates = sum(bool(group) for group in groups)
+            self.lines.append("")
             self.lines.append(f"{label}: M = {pm(fits[:, 1], '.4f')} (thesis {wanted['M']:g}), "
                               f"K = {pm(fits[:, 0], '.4g')} MPa.s^M (thesis {wanted['K']:g}); "
-                              f"{rates} rates, {len(fits)} packings")
+                              f"{rates} rates, {len(fits)} packing{'s' if len(fits) > 1 else ''}")
 
     def bilin(self):
         for particles in (5000, 50000):
-            for phase, factor in [("A", factor) for factor in sorted({run.cost_factor for run in self.curves})] + [("B", None)]:
+            factors = sorted({run.cost_factor for run in self.curves if run.phase == "A"})
+            for phase, factor in [*(("A", factor) for factor in factors), ("B", None)]:
                 same = {} if factor is None else {"cost_factor": factor}
                 groups = [self.group(phase=phase, particles=particles, rate=rate, **same) for rate in BILIN_RATES]
                 if not any(groups):
                     continue
                 name = f"{phase} {particles}" + (f" s{factor:g}" if factor else "")
-                self.table(f"BILIN, phase {phase}, {particles} particles, D = {DENSITIES['bilin'][particles]}", "rate [1/s]",
-                           "s", "packings", "flow stress at 0.3 [MPa]", "thesis", "equilibrium error", "volume at 0.3")
+                self.table(f"BILIN, phase {phase}, {particles} particles, D = {DENSITIES['bilin'][particles]}",
+                           "rate [1/s]", "s", "packings", "flow stress at 0.3 [MPa]", "thesis", "equilibrium error",
+                           "volume at 0.3")
                 for rate, group in zip(BILIN_RATES, groups):
                     if not group:
                         continue
@@ -325,7 +321,6 @@ class Tables:
                              f"{norton(THESIS[phase], rate):.1f}",
                              f"{np.mean([curve.equilibrium() for curve in group]):.3%}",
                              percent([curve.volume_at(0.3) for curve in group]))
-                self.lines.append("")
                 self.norton_line(name, f"phase {phase}, {particles} particles", groups)
 
     def cost(self):
@@ -333,7 +328,8 @@ class Tables:
         if not runs:
             return
         self.table("Cost factor s, 2000 particles, D = 0.70, 1e-3 /s", "phase", "s", "time steps", "packings",
-                   "flow stress at 0.3 [MPa]", "over that at s = 10, same packing", "equilibrium error", "volume at 0.3")
+                   "flow stress at 0.3 [MPa]", "over that at s = 10, same packing", "equilibrium error",
+                   "volume at 0.3")
         for phase, factor in runs:
             reference = {curve.run.packing: curve.flow()
                          for curve in self.group(phase=phase, particles=2000, cost_factor=10)}
@@ -368,15 +364,15 @@ class Tables:
                 t = {curve.run.packing: curve.flow() for curve in pulled}
                 ratios = [t[packing] / c[packing] for packing in t if packing in c]
                 key = f"TRILIN {particles} {rate:g}"
-                for name, values in (("compression", list(c.values())), ("tension", list(t.values())), ("ratio", ratios)):
-                    if values:
-                        self.keep(f"{key} {name}", values)
+                self.keep(f"{key} compression", list(c.values()))
+                if t:
+                    self.keep(f"{key} tension", list(t.values()))
+                    self.keep(f"{key} ratio", ratios)
                 self.row(f"{rate:g}", f"{len(pressed)}, {len(pulled)}", pm(list(c.values()), ".1f"),
                          pm(list(t.values()), ".1f"), pm(ratios, ".2f"), f"{norton(THESIS['TRILIN'], rate):.1f}",
                          *(f"{np.mean([curve.equilibrium() for curve in group]):.2%}" if group else "-"
                            for group in (pressed, pulled)),
                          *(percent([curve.volume_at(FLOW_STRAIN) for curve in group]) for group in (pressed, pulled)))
-            self.lines.append("")
             for name, column in (("compression", 0), ("tension", 1)):
                 self.norton_line(f"TRILIN {particles} {name}", f"TRILIN, {particles} particles, {name}",
                                  [load[column] for load in loads])
@@ -389,7 +385,8 @@ class Tables:
             for pressed in load[0]:
                 for pulled in load[1]:
                     if pressed.run.packing == pulled.run.packing:
-                        stresses.setdefault(pressed.run.packing, []).append((rate, (pressed.flow() + pulled.flow()) / 2))
+                        mean = (pressed.flow() + pulled.flow()) / 2
+                        stresses.setdefault(pressed.run.packing, []).append((rate, mean))
         most = max(map(len, stresses.values()), default=0)
         if most < 2:
             return
@@ -401,15 +398,15 @@ class Tables:
         self.lines.append("")
         self.lines.append(f"TRILIN, {particles} particles, mean of both: M = {pm(fits[:, 0], '.4f')} (thesis "
                           f"{wanted['M']:g}), K = {pm(np.exp(fits[:, 1]), '.4g')} MPa.s^M (thesis {wanted['K']:g}); "
-                          f"{most} rates, {len(fits)} packings")
+                          f"{most} rates, {len(fits)} packing{'s' if len(fits) > 1 else ''}")
 
     def ends(self):
         keys = sorted({(run.particles, run.rate) for run in self.curves if run.phase == "TRILIN"})
         if not keys:
             return
-        self.table(f"TRILIN pulled apart: strain at which the stress falls below {NECK} (necking) and {RUPTURE} (rupture) of its peak",
-                   "particles", "rate [1/s]", "pressed first by", "packings", "highest stress [MPa]", "necking", "rupture",
-                   "volume at 0.4", "volume at 1")
+        self.table(f"TRILIN pulled apart: strains at which the stress falls below {NECK} (necking) and {RUPTURE} "
+                   "(rupture) of its highest", "particles", "rate [1/s]", "pressed first by", "packings",
+                   "highest stress [MPa]", "necking", "rupture", "volume at 0.4", "volume at 1")
         for particles, rate in keys:
             for group in self.trilin_loads(particles, rate)[1:]:
                 group = [curve for curve in group if curve.run.strain > 0.5]
@@ -509,13 +506,14 @@ def main():
     for number, run in enumerate(runs, 1):
         if not request.tables and not shop.done(run):
             start = time.monotonic()
+            outcome = ""
             try:
                 shop.perform(run)
-                outcome = ""
             except subprocess.CalledProcessError as error:
                 failed.append(run.name)
                 outcome = f" FAILED: {os.path.basename(error.cmd[0])} ended with status {error.returncode}"
-            print(f"{number}/{len(runs)} {run.name}: {time.monotonic() - start:.0f} s{outcome}", file=sys.stderr, flush=True)
+            seconds = time.monotonic() - start
+            print(f"{number}/{len(runs)} {run.name}: {seconds:.0f} s{outcome}", file=sys.stderr, flush=True)
     tables = Tables(shop, runs)
     tables.write()
     tables.picture(shop.file("curves.png"))
