@@ -457,8 +457,10 @@ class Tables:
                 axis.set_title(f"{phase if phase == 'TRILIN' else 'BILIN ' + phase}, {particles} particles")
                 axis.set_xlabel("|true strain|")
                 axis.set_ylabel("true stress [MPa] (dashed: thesis)")
+                if phase == "TRILIN":
+                    axis.set_ylim(-45, 65)
                 if rates:
-                    axis.legend()
+                    axis.legend(loc="upper right", ncols=2 if phase == "TRILIN" else 1)
         figure.savefig(name, dpi=110)
 
 
