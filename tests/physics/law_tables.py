@@ -490,10 +490,10 @@ def percent(values):
 
 
 def main():
-    usage = __doc__.split("\n\n", 1)
-    parser = argparse.ArgumentParser(description=usage[0], epilog=usage[1],
+    purpose, usage, text = __doc__.split("\n\n", 2)
+    parser = argparse.ArgumentParser(usage=usage.removeprefix("usage: "), description=f"{purpose}\n\n{text}",
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("bin")
+    parser.add_argument("bin", help="folder of the executables")
     parser.add_argument("--folder", default="law_tables")
     parser.add_argument("--laws", nargs="+", choices=["bilin", "trilin", "cost"], default=["bilin", "trilin", "cost"])
     parser.add_argument("--particles", nargs="+", type=int, choices=[5000, 50000], default=[5000, 50000])
