@@ -1,6 +1,8 @@
 #pragma once
 #include <mpi.h>
 
+#include <array>
+#include <compare>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -20,6 +22,16 @@ struct PlaneForces {
 struct Energies {
     double kinetic = 0.0;  ///< nJ
     double seeds = 0.0;    ///< elastic, of the overlapping seeds [nJ]
+};
+
+enum class ContactState : std::int64_t { internal, interface, between_objects };
+
+/// A pair whose crowns meet.
+struct Contact {
+    std::int64_t a, b;  ///< places in the sample, from 1, a < b
+    ContactState state;
+    std::int64_t age;  ///< steps since an interface formed; 0 for the others, which are not remembered
+    auto operator<=>(const Contact&) const = default;
 };
 
 /// Every call is collective over the communicator; results are the same on every process unless said otherwise.
@@ -58,6 +70,16 @@ class Simulation {
 
     /// Positions in the order of the sample's particles, on the first process; empty elsewhere.
     std::vector<Vec3> positions() const;
+
+    /// Every pair in the crown, sorted, on the first process; empty elsewhere.
+    std::vector<Contact> contacts() const;
+    /// Outward vectors of self-contact [mm], in the order of the sample, on the first process; zero without
+    /// self-contact.
+    std::vector<Vec3> outward_vectors() const;
+    /// Process that owns each particle, in the order of the sample, on the first process.
+    std::vector<int> owners() const;
+    /// Processes along the two directions across the load and along it.
+    std::array<int, 3> process_grid() const;
 
     /// Sets velocities [mm/s] (in the order of the sample) and returns the forces [uN] at this moment, on the first
     /// process: what tests of the law look at.
