@@ -78,8 +78,9 @@ struct Outcome {
     std::size_t changed_owner = 0;
     std::array<int, 3> grid{};
 
-    std::size_t count(ContactState state) const {
-        return std::count_if(contacts.begin(), contacts.end(), [state](const Contact& c) { return c.state == state; });
+    std::size_t interfaces() const {
+        return std::count_if(contacts.begin(), contacts.end(),
+                             [](const Contact& contact) { return contact.state == ContactState::interface; });
     }
 };
 
@@ -124,49 +125,44 @@ TEST(SelfContact, OfAFoldingSampleIsClassifiedAsOnOneProcess) {
     const Outcome parallel = fold(sample, MPI_COMM_WORLD);
     if (rank() != 0) return;
     const Outcome alone = fold(sample, MPI_COMM_SELF);
-    std::printf("builds %ld changed %zu interfaces %zu of %zu apart %g outward %g grid %d %d %d\n",
-                (long)parallel.neighbour_builds, parallel.changed_owner, alone.count(ContactState::interface),
-                alone.contacts.size(), largest_difference(parallel.positions, alone.positions),
-                largest_difference(parallel.outward, alone.outward), parallel.grid[0], parallel.grid[1],
-                parallel.grid[2]);
-    EXPECT_GT(parallel.neighbour_builds, 3);
+    ASSERT_GT(parallel.neighbour_builds, 3);
     if (processes() > 1) {
-        EXPECT_GT(parallel.changed_owner, 10u);
+        ASSERT_GT(parallel.changed_owner, 10u);
     }
-    ASSERT_GT(alone.count(ContactState::interface), 100u);
-    ASSERT_LT(largest_difference(parallel.positions, alone.positions), 1e-9) << "the trajectories do not agree";
-    EXPECT_EQ(parallel.contacts.size(), alone.contacts.size());
+    ASSERT_GT(alone.interfaces(), 100u);
+    EXPECT_EQ(parallel.interfaces(), alone.interfaces());
     EXPECT_TRUE(parallel.contacts == alone.contacts);
     EXPECT_LT(largest_difference(parallel.outward, alone.outward), 1e-9);
+    EXPECT_LT(largest_difference(parallel.positions, alone.positions), 1e-9);
 }
 
 TEST(SelfContact, FindsNoInterfaceInsideADenseBlock) {
-    constexpr double height = 8, rate = 1e-3;
+    constexpr double height = 8, rate = 3e-3;
     const Packing sample = at_rest(cut(4000, 0.74, [](const Vec3& point, const Vec3&) { return point.z() < height; }));
     Simulation simulation(sample, pressed_at(rate, 1, sample), 2, MPI_COMM_WORLD);
     simulation.place_planes();
     simulation.set_loading(0, -rate);
-    for (int k = 0; k < 30; ++k) {
-        simulation.run(100);
-        const auto contacts = simulation.contacts();
-        if (rank() != 0) continue;
-        if (k % 5 != 4) continue;
-        for (double depth : {0., 1., 1.5, 2., 2.5, 3.}) {
-            const auto inside = [&](std::int64_t particle) {
-                const Vec3& point = sample.position[particle - 1];
-                const Vec3 top(sample.box.edges.x(), sample.box.edges.y(), height);
-                return (point - Vec3::Constant(depth)).minCoeff() >= 0 &&
-                       (top - Vec3::Constant(depth) - point).minCoeff() >= 0;
-            };
-            int in = 0, all = 0;
-            for (const Contact& c : contacts)
-                if (inside(c.a) && inside(c.b)) {
-                    ++all;
-                    in += c.state == ContactState::interface;
-                }
-            std::printf("step %d depth %g: %d of %d interfaces (grid %d %d %d)\n", (k + 1) * 100, depth, in, all,
-                        simulation.process_grid()[0], simulation.process_grid()[1], simulation.process_grid()[2]);
+    if (processes() == 4) {
+        EXPECT_EQ(simulation.process_grid(), (std::array{2, 2, 1}));
+    }
+    // At first two diameters from every face: beside the free surface a pair may well be an interface.
+    constexpr double depth = 2;
+    const Vec3 far_corner(sample.box.edges.x(), sample.box.edges.y(), height);
+    const auto inside = [&](std::int64_t particle) {
+        const Vec3& point = sample.position[particle - 1];
+        return point.minCoeff() >= depth && (far_corner - point).minCoeff() >= depth;
+    };
+    for (int look = 0; look < 20; ++look) {
+        simulation.run(50);
+        std::size_t pairs = 0, interfaces = 0;
+        for (const Contact& contact : simulation.contacts()) {
+            if (!inside(contact.a) || !inside(contact.b)) continue;
+            ++pairs;
+            interfaces += contact.state == ContactState::interface;
         }
+        if (rank() != 0) continue;
+        EXPECT_GT(pairs, 2000u);
+        EXPECT_EQ(interfaces, 0u) << "of " << pairs << " at strain " << simulation.strain();
     }
 }
 
