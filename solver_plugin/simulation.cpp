@@ -303,11 +303,18 @@ Simulation::~Simulation() = default;
 
 void Simulation::begin_relaxation() {
     State& s = *state_;
-    const double period = law::least_steps_per_period * s.model.time_step;
-    s.set_masses([period](const PhaseModel&) { return period; });
+    // On the stiffness of its stiffest pair, or light soft particles fly out from between stiff ones.
+    const auto period_of = [&](const PhaseModel& phase) {
+        double stiffest = phase.pair.repulsive_stiffness;
+        for (const PhaseModel& other : s.model.phases)
+            stiffest = std::max(stiffest, law::mixed(phase.pair, other.pair).repulsive_stiffness);
+        const double period = law::least_steps_per_period * s.model.time_step;
+        return period * std::sqrt(stiffest / phase.pair.repulsive_stiffness);
+    };
+    s.set_masses(period_of);
     // Viscous drag of a share of the critical one, 2 sqrt(k_rep m) = k_rep period / pi.
     const auto drag = [&](const PhaseModel& phase) {
-        return relaxation_damping * phase.pair.repulsive_stiffness * period / std::numbers::pi;
+        return relaxation_damping * phase.pair.repulsive_stiffness * period_of(phase) / std::numbers::pi;
     };
     std::string words = fmt::format("fix drag all viscous {:.17g}", drag(s.model.phases.front()));
     for (std::size_t k = 1; k < s.model.phases.size(); ++k)
@@ -399,6 +406,25 @@ Energies Simulation::energies() const {
         for (int c = 0; c < 3; ++c) kinetic += 0.5 * atoms.rmass[i] * atoms.v[i][c] * atoms.v[i][c];
     const double to_sample = 1 / std::pow(s.scale, 3);
     return {s.total(kinetic) * to_sample, s.total(s.pair->seed_energy()) * to_sample};
+}
+
+double Simulation::hottest_phase() const {
+    const State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = state_->atom();
+    std::vector<double> kinetic(s.model.phases.size(), 0.0), count(kinetic);
+    for (int i = 0; i < atoms.nlocal; ++i) {
+        const int phase = atoms.type[i] - 1;
+        count[phase] += 1;
+        for (int c = 0; c < 3; ++c) kinetic[phase] += 0.5 * atoms.rmass[i] * atoms.v[i][c] * atoms.v[i][c];
+    }
+    double hottest = 0;
+    for (std::size_t k = 0; k < kinetic.size(); ++k) {
+        const double stiffness = s.model.phases[k].pair.repulsive_stiffness * s.hardening[k];
+        const double scale = s.total(count[k]) * stiffness * s.model.seed_radius * s.model.seed_radius;
+        const double energy = s.total(kinetic[k]);
+        if (scale > 0) hottest = std::max(hottest, energy / scale);
+    }
+    return hottest;
 }
 
 double Simulation::largest_speed() const {

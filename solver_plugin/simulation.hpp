@@ -63,6 +63,8 @@ class Simulation {
     double strain() const;
     PlaneForces take_forces();
     Energies energies() const;
+    /// Greatest over the phases of kinetic energy over N k_rep r_s^2, each with its own particles and stiffness.
+    double hottest_phase() const;
     double largest_speed() const;
     double initial_height() const;  ///< H0 [mm] of the sample's own lengths
     std::int64_t particles() const;

@@ -1,6 +1,8 @@
 // solve: press a sample as a scene says, on LIGGGHTS, and write its frames and curves.
 #include "solver_plugin/solver.hpp"
 
+#include <fmt/format.h>
+
 #include "core/cli.hpp"
 #include "core/packing_file.hpp"
 #include "solver_plugin/mpi_tool.hpp"
@@ -8,6 +10,9 @@
 namespace {
 
 using namespace tomodem;
+
+/// Of the mean over the second half of the path: above, the curves say more of inertia than of the material.
+constexpr double large_equilibrium_error = 0.1;
 
 struct Request {
     std::filesystem::path sample, scene, run;
@@ -35,6 +40,11 @@ void run(const Request& request) {
     cli::report("final_strain", result.final_strain);
     cli::report("final_stress", result.final_stress, "Pa");
     cli::report("mean_equilibrium_error", result.mean_equilibrium_error);
+    if (result.mean_equilibrium_error > large_equilibrium_error)
+        cli::note(
+            fmt::format("the forces of the two planes differ by {:.0f} %: inertia or too few particles carry the "
+                        "load; take a lower rate, a smaller strain_per_step or more particles",
+                        100 * result.mean_equilibrium_error));
     cli::report("processes", static_cast<std::int64_t>(result.cost.processes));
     cli::report("neighbour_builds", result.cost.neighbour_builds);
     cli::report("wall_seconds", result.cost.wall_seconds, "s");
