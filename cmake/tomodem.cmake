@@ -25,6 +25,21 @@ function(tomodem_unit_test name)
     gtest_discover_tests(test_${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS unit)
 endfunction()
 
+# tomodem_parallel_test(NAME PROCESSES 1 2 ... SOURCES ... LIBS ...): GoogleTest executable that runs as a whole under
+# mpirun, once for each number of processes, as the ctest unit/NAME/COUNT.
+function(tomodem_parallel_test name)
+    cmake_parse_arguments(arg "" "" "PROCESSES;SOURCES;LIBS" ${ARGN})
+    add_executable(test_${name} ${arg_SOURCES})
+    target_link_libraries(test_${name} PRIVATE ${arg_LIBS} tomodem_core tomodem_warnings GTest::gmock_main)
+    set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+    foreach(count ${arg_PROCESSES})
+        add_test(NAME unit/${name}/${count}
+                 COMMAND ${MPIEXEC_EXECUTABLE} --oversubscribe ${MPIEXEC_NUMPROC_FLAG} ${count} $<TARGET_FILE:test_${name}>)
+        set_tests_properties(unit/${name}/${count} PROPERTIES LABELS unit TIMEOUT 300
+            ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1")
+    endforeach()
+endfunction()
+
 # tomodem_script_test(FILE LABEL ...): a bats file, run through the built executables.
 # TOMODEM_BIN is the folder of the executables, TOMODEM_SOURCE the repository.
 function(tomodem_script_test file label)

@@ -20,6 +20,26 @@ double least_steps_per_period(Law law) {
     return law == Law::bilin ? law::least_steps_per_period : law::trilin_steps_per_period;
 }
 
+/// Steps that the light particle of a mixed pair needs for a swing on the pair's stiffness: with 5 particles are lost.
+constexpr double least_steps_per_mixed_period = 6.0;
+
+/// A soft light particle between stiff ones swings faster than the period of its own phase.
+void refuse_unstable_pairs(const Scene& scene, const Model& model) {
+    for (const PhaseModel& light : model.phases)
+        for (const PhaseModel& other : model.phases) {
+            const double stiffness = law::mixed(light.pair, other.pair).repulsive_stiffness;
+            const double period = light.natural_period * std::sqrt(light.pair.repulsive_stiffness / stiffness);
+            if (period >= least_steps_per_mixed_period * model.time_step) continue;
+            const Phase& phase = scene.phase(light.label);
+            throw InvalidInput(fmt::format(
+                "scene '{}' line {}: [phase.{}] is so much softer than [phase.{}] that its particles swing within "
+                "{:.2g} time steps between those of the other, which is unstable below {:g}; take phases of closer "
+                "stiffness, a longer natural_period of the soft one, or a smaller time_step with the periods given",
+                scene.path.string(), phase.line, phase.name, scene.phase(other.label).name, period / model.time_step,
+                least_steps_per_mixed_period));
+        }
+}
+
 struct Constants {
     double stiffness, period;
 };
@@ -63,6 +83,16 @@ PhaseModel compile_phase(const Scene& scene, const Phase& phase, double time_ste
             fmt::format("scene '{}' line {}: the natural period {:g} s of [phase.{}] is shorter than {:g} time steps "
                         "of {:g} s, which is unstable; take a smaller time_step or strain_per_step",
                         scene.path.string(), phase.line, period, phase.name, least, time_step));
+    if (const double chi = rate * period * period / time_step; !trilin && chi > law::greatest_chi)
+        throw InvalidInput(fmt::format(
+            "scene '{}' line {}: [phase.{}] at {:g} /s has rate natural_period^2 / time_step = {:.3g}; above {:g} the "
+            "packing collapses; take a lower rate or a shorter natural_period",
+            scene.path.string(), phase.line, phase.name, rate, chi, law::greatest_chi));
+    if (trilin && rate * period > law::trilin_greatest_rate)
+        throw InvalidInput(fmt::format(
+            "scene '{}' line {}: [phase.{}] at {:g} /s has rate natural_period = {:.3g}; above {:g} the planes outrun "
+            "the packing; take a lower rate or a shorter natural_period",
+            scene.path.string(), phase.line, phase.name, rate, rate * period, law::trilin_greatest_rate));
     PhaseModel model{phase.label,
                      {2 * scene.seed_radius, 2 * scene.crown_radius, stiffness, stiffness / phase.stiffness_ratio},
                      period,
@@ -159,6 +189,7 @@ Model compile_model(const Scene& scene, const Packing& sample) {
     model.time_step = scene.time_step.value_or(time_step);
     for (std::int32_t label : present)
         model.phases.push_back(compile_phase(scene, scene.phase(label), model.time_step));
+    refuse_unstable_pairs(scene, model);
     return model;
 }
 

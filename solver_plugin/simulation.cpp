@@ -309,6 +309,24 @@ struct Simulation::State {
         return block;
     }
 
+    /// The items of every process one after the other, on the first process.
+    template <class Item>
+    std::vector<Item> gather_all(const std::vector<Item>& mine) const {
+        int processes = 1;
+        MPI_Comm_size(communicator, &processes);
+        MPI_Datatype item;
+        MPI_Type_contiguous(sizeof(Item), MPI_BYTE, &item);
+        MPI_Type_commit(&item);
+        const int count = static_cast<int>(mine.size());
+        std::vector<int> counts(processes), starts(processes + 1);
+        MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, communicator);
+        for (int p = 0; p < processes; ++p) starts[p + 1] = starts[p] + counts[p];
+        std::vector<Item> all(rank == 0 ? starts.back() : 0);
+        MPI_Gatherv(mine.data(), count, item, all.data(), counts.data(), starts.data(), item, 0, communicator);
+        MPI_Type_free(&item);
+        return all;
+    }
+
     /// Vectors of the local particles, in the order of the sample, on the first process.
     std::vector<Vec3> gather(double* const* local) {
         LAMMPS_NS::Atom& atoms = atom();
@@ -406,12 +424,19 @@ Simulation::~Simulation() = default;
 
 void Simulation::begin_relaxation() {
     State& s = *state_;
-    const double period = law::least_steps_per_period * s.model.time_step;
-    s.set_masses([period](const PhaseModel&) { return period; });
+    // On the stiffness of its stiffest pair, or light soft particles fly out from between stiff ones.
+    const auto period_of = [&](const PhaseModel& phase) {
+        double stiffest = phase.pair.repulsive_stiffness;
+        for (const PhaseModel& other : s.model.phases)
+            stiffest = std::max(stiffest, law::mixed(phase.pair, other.pair).repulsive_stiffness);
+        const double period = law::least_steps_per_period * s.model.time_step;
+        return period * std::sqrt(stiffest / phase.pair.repulsive_stiffness);
+    };
+    s.set_masses(period_of);
     // Viscous drag of a share of the critical one, 2 sqrt(k_rep m) = k_rep period / pi.
-    const auto drag = [&](std::size_t phase) {
-        const double stiffness = s.model.phases[phase].pair.repulsive_stiffness * s.hardening[phase];
-        return relaxation_damping * stiffness * period / std::numbers::pi;
+    const auto drag = [&](std::size_t k) {
+        const double stiffness = s.model.phases[k].pair.repulsive_stiffness * s.hardening[k];
+        return relaxation_damping * stiffness * period_of(s.model.phases[k]) / std::numbers::pi;
     };
     std::string words = fmt::format("fix drag all viscous {:.17g}", drag(0));
     for (std::size_t k = 1; k < s.model.phases.size(); ++k)
@@ -582,6 +607,25 @@ std::optional<double> Simulation::periodic_section() const {
     if (state_->model.lateral == Lateral::free) return {};
     const LAMMPS_NS::Domain& domain = *state_->session.lmp().domain;
     return domain.xprd * domain.yprd / (state_->scale * state_->scale);
+}
+
+double Simulation::hottest_phase() const {
+    const State& s = *state_;
+    const LAMMPS_NS::Atom& atoms = state_->atom();
+    std::vector<double> kinetic(s.model.phases.size(), 0.0), count(kinetic);
+    for (int i = 0; i < atoms.nlocal; ++i) {
+        const int phase = atoms.type[i] - 1;
+        count[phase] += 1;
+        for (int c = 0; c < 3; ++c) kinetic[phase] += 0.5 * atoms.rmass[i] * atoms.v[i][c] * atoms.v[i][c];
+    }
+    double hottest = 0;
+    for (std::size_t k = 0; k < kinetic.size(); ++k) {
+        const double stiffness = s.model.phases[k].pair.repulsive_stiffness * s.hardening[k];
+        const double scale = s.total(count[k]) * stiffness * s.model.seed_radius * s.model.seed_radius;
+        const double energy = s.total(kinetic[k]);
+        if (scale > 0) hottest = std::max(hottest, energy / scale);
+    }
+    return hottest;
 }
 
 double Simulation::initial_height() const {
@@ -795,6 +839,67 @@ std::vector<Vec3> Simulation::positions() const {
     std::vector<Vec3> points = s.gather(rows.data());
     for (Vec3& point : points) point = s.centre + s.turned_back(point) / s.scale;
     return points;
+}
+
+std::vector<Contact> Simulation::contacts() const {
+    State& s = *state_;
+    s.set_up_if_needed();
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    std::vector<Contact> mine;
+    s.pair->for_each_pair([&](int i, int j) {
+        const std::int64_t a = atoms.tag[i], b = atoms.tag[j];
+        // A pair across a process boundary is seen from both sides.
+        if (j >= atoms.nlocal && a >= b) return;
+        double squared = 0;
+        for (int c = 0; c < 3; ++c) squared += (atoms.x[i][c] - atoms.x[j][c]) * (atoms.x[i][c] - atoms.x[j][c]);
+        const double crowns = atoms.radius[i] + atoms.radius[j];
+        if (squared > crowns * crowns) return;
+        Contact contact{std::min(a, b), std::max(a, b), ContactState::internal, 0};
+        if (!s.object.empty() && s.object[a - 1] != s.object[b - 1])
+            contact.state = ContactState::between_objects;
+        else if (s.contact != nullptr)
+            for (const ContactMemory::Interface& known : s.contact->memory().interfaces(i))
+                if (known.partner == b) {
+                    contact.state = ContactState::interface;
+                    contact.age = step() - known.since;
+                }
+        mine.push_back(contact);
+    });
+    std::vector<Contact> all = s.gather_all(mine);
+    std::sort(all.begin(), all.end());
+    return all;
+}
+
+std::vector<Vec3> Simulation::outward_vectors() const {
+    State& s = *state_;
+    s.set_up_if_needed();
+    std::vector<Vec3> mine(s.atom().nlocal, Vec3::Zero());
+    std::vector<double*> rows;
+    for (std::size_t i = 0; i < mine.size(); ++i) {
+        if (s.contact != nullptr) {
+            const ContactMemory::Outward& outward = s.contact->memory().outward()[i];
+            mine[i] = s.turned_back({outward[0], outward[1], outward[2]}) / s.scale;
+        }
+        rows.push_back(mine[i].data());
+    }
+    return s.gather(rows.data());
+}
+
+std::vector<int> Simulation::owners() const {
+    State& s = *state_;
+    struct Owner {
+        int tag, rank;
+    };
+    std::vector<Owner> mine;
+    for (int i = 0; i < s.atom().nlocal; ++i) mine.push_back({s.atom().tag[i], s.rank});
+    std::vector<int> owners(s.rank == 0 ? s.count : 0);
+    for (const Owner& owner : s.gather_all(mine)) owners[owner.tag - 1] = owner.rank;
+    return owners;
+}
+
+std::array<int, 3> Simulation::process_grid() const {
+    const int* const grid = state_->session.lmp().comm->procgrid;
+    return {grid[0], grid[1], grid[2]};
 }
 
 std::vector<Vec3> Simulation::forces_at(const std::vector<Vec3>& velocities) {

@@ -1,6 +1,8 @@
 #pragma once
 #include <mpi.h>
 
+#include <array>
+#include <compare>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -26,6 +28,16 @@ struct PlaneForces {
 struct Energies {
     double kinetic = 0.0;  ///< nJ
     double seeds = 0.0;    ///< elastic, of the overlapping seeds [nJ]
+};
+
+enum class ContactState : std::int64_t { internal, interface, between_objects };
+
+/// A pair whose crowns meet.
+struct Contact {
+    std::int64_t a, b;  ///< places in the sample, from 1, a < b
+    ContactState state;
+    std::int64_t age;  ///< steps since an interface formed; 0 for the others, which are not remembered
+    auto operator<=>(const Contact&) const = default;
 };
 
 /// Every call is collective over the communicator; results are the same on every process unless said otherwise.
@@ -71,6 +83,8 @@ class Simulation {
     Energies energies() const;
     /// Present area between periodic sides [mm^2], in the sample's own lengths; nothing when the sides are free.
     std::optional<double> periodic_section() const;
+    /// Greatest over the phases of kinetic energy over N k_rep r_s^2, each with its own particles and stiffness.
+    double hottest_phase() const;
     double initial_height() const;  ///< H0 [mm] of the sample's own lengths
     std::int64_t particles() const;
     /// Particles whose centre a plane has passed.
@@ -105,6 +119,16 @@ class Simulation {
     /// Positions in the order of the sample's particles, on the first process; empty elsewhere. Periodic sides do not
     /// cut them: a particle that leaves goes on outside.
     std::vector<Vec3> positions() const;
+
+    /// Every pair in the crown, sorted, on the first process; empty elsewhere.
+    std::vector<Contact> contacts() const;
+    /// Outward vectors of self-contact [mm], in the order of the sample, on the first process; zero without
+    /// self-contact.
+    std::vector<Vec3> outward_vectors() const;
+    /// Process that owns each particle, in the order of the sample, on the first process.
+    std::vector<int> owners() const;
+    /// Processes along the two directions across the load and along it.
+    std::array<int, 3> process_grid() const;
 
     /// Sets velocities [mm/s] (in the order of the sample) and returns the forces [uN] at this moment, on the first
     /// process: what tests of the law look at.

@@ -12,6 +12,9 @@ namespace {
 
 using namespace tomodem;
 
+/// Of the mean over the second half of the path: above, the curves say more of inertia than of the material.
+constexpr double large_equilibrium_error = 0.1;
+
 struct Request {
     std::filesystem::path sample, scene, run;
     RunControl control;
@@ -72,6 +75,11 @@ void run(const Request& request) {
         cli::report("final_stress", result.final_stress, "Pa");
         cli::report("mean_equilibrium_error", result.mean_equilibrium_error);
     }
+    if (!scene.duration && result.mean_equilibrium_error > large_equilibrium_error)
+        cli::note(
+            fmt::format("the forces of the two planes differ by {:.0f} %: inertia or too few particles carry the "
+                        "load; take a lower rate, a smaller strain_per_step or more particles",
+                        100 * result.mean_equilibrium_error));
     cli::report("processes", static_cast<std::int64_t>(result.cost.processes));
     cli::report("neighbour_builds", result.cost.neighbour_builds);
     if (result.predicted_wall_seconds > 0) cli::report("predicted_wall_seconds", result.predicted_wall_seconds, "s");

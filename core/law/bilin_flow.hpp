@@ -3,8 +3,11 @@
 /// What sets BILIN's flow stress: sigma = k_rep / (2 r_s) g(chi), chi = rate t0^2 / time_step (docs/method.md).
 namespace tomodem::law {
 
+/// Above, the packing collapses.
+inline constexpr double greatest_chi = 41;
+
 /// g(chi) [-], interpolated in a table of measured values, constant below it.
-/// @throws InvalidInput above the table (chi > 41: the packing collapses)
+/// @throws InvalidInput above the table (chi > greatest_chi)
 double bilin_master_curve(double chi);
 
 /// Strain-rate sensitivity over the decade of rates up to the one of `chi`: log10(g(chi) / g(chi/10)).

@@ -208,5 +208,29 @@ TEST_F(Solve, ScalesEveryForceWithTheHardeningAndMovesNothing) {
     for (std::size_t k = 0; k < still.size(); ++k) EXPECT_LT((still[k] - moved[k]).norm(), 1e-9);
 }
 
+TEST(Model, RefusesASoftPhaseThatSwingsTooFastBetweenStiffParticles) {
+    Packing sample = block(3);
+    sample.species[5] = 2;
+    const auto press = [](const std::string& stiffness) {
+        return parse_scene(phase_a + "[phase.b]\nlabel = 2\nlaw = \"bilin\"\nrepulsive_stiffness = " + stiffness +
+                               "\nnatural_period = 0.1\n[load]\nsteps = [ { strain = -0.1, rate = 1e-3 } ]\n"
+                               "[accuracy]\ntime_step = 5e-3",
+                           "test");
+    };
+    EXPECT_NO_THROW(compile_model(press("6.23e10"), sample));
+    EXPECT_THAT([&] { compile_model(press("6.23e13"), sample); },
+                ThrowsMessage<InvalidInput>(HasSubstr("[phase.a] is so much softer than [phase.b]")));
+}
+
+TEST(Model, RefusesARateThatThePackingCannotFollow) {
+    const std::string load = "[load]\nsteps = [ { strain = -0.1, rate = 30 } ]\n[accuracy]\ntime_step = ";
+    EXPECT_THAT([&] { compile_model(parse_scene(phase_a + load + "5e-3", "test"), block(3)); },
+                ThrowsMessage<InvalidInput>(HasSubstr("the packing collapses")));
+    const std::string trilin =
+        "[phase.t]\nlabel = 1\nlaw = \"trilin\"\nrepulsive_stiffness = 1e9\nnatural_period = 0.1\n";
+    EXPECT_THAT([&] { compile_model(parse_scene(trilin + load + "1e-2", "test"), block(3)); },
+                ThrowsMessage<InvalidInput>(HasSubstr("the planes outrun the packing")));
+}
+
 }  // namespace
 }  // namespace tomodem
