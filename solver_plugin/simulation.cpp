@@ -173,6 +173,7 @@ struct Simulation::State {
 
     void remember_contacts() {
         session.command("fix contact all tomodem/contact");
+        ready = false;  // the pair style finds it when it is set up
         contact = static_cast<FixContact*>(session.lmp().modify->find_fix_id("contact"));
         contact->memory().set_law({.least_outward = law::SelfContact::outward_over_seed * model.seed_radius});
         if (std::isfinite(model.healing_time)) contact->heal_after(std::llround(model.healing_time / model.time_step));
@@ -200,13 +201,6 @@ struct Simulation::State {
             std::normal_distribution<double> normal(0, deviation);
             for (int c = 0; c < 3; ++c) atoms.v[i][c] += normal(random);
         }
-    }
-
-    /// With the first plane or wall: what counts from the start of the loading begins.
-    void begin_loading() {
-        // Pairs that form before, while the free sample comes to rest, are internal.
-        if (model.self_contact && contact == nullptr) remember_contacts();
-        if (!loading) loading_start = session.lmp().update->ntimestep;
     }
 
     void create_particles(const Packing& sample) {
@@ -455,7 +449,6 @@ void Simulation::place_planes() {
         high = s.face(low, high, in_layer, -1) + layer;
     }
     s.add_planes();
-    s.begin_loading();
     FixPlanes::Motion motion;
     if (s.model.lateral != Lateral::free) {
         s.add_sides();
@@ -490,7 +483,6 @@ std::int64_t Simulation::place_wall(const TriangleMesh& mesh, const Wall& wall) 
     fix->place(placed, motion);
     if (s.loading) fix->start(s.loading_start);
     s.surfaces.push_back(fix);
-    s.begin_loading();
     s.use_laws();
     s.ready = false;
     return std::llround(s.total(static_cast<double>(fix->particles_within(0.5 * s.model.seed_radius))));
@@ -502,6 +494,8 @@ void Simulation::set_loading(const LoadSegment& segment) {
         // Walls stand still, and forces do not count, while the sample comes to rest between them.
         s.loading = true;
         s.loading_start = step();
+        // Pairs that form before, while the sample comes to rest, are internal.
+        if (s.model.self_contact) s.remember_contacts();
         for (FixSurface* surface : s.surfaces) surface->start(step());
         take_forces();
         take_wall_forces();
@@ -687,7 +681,7 @@ void Simulation::restore(const FoundCheckpoint& found) {
         motion.first_step = step();
         s.planes->move(motion);
     }
-    if (s.model.self_contact && s.contact == nullptr) s.remember_contacts();
+    if (s.loading && s.model.self_contact) s.remember_contacts();
     if (s.contact != nullptr) {
         ContactMemory& memory = s.contact->memory();
         memory.resize(atoms.nlocal, 0);
