@@ -578,15 +578,6 @@ Energies Simulation::energies() const {
     return {s.total(kinetic) * to_sample, s.total(s.pair->seed_energy()) * to_sample};
 }
 
-double Simulation::largest_speed() const {
-    const LAMMPS_NS::Atom& atoms = state_->atom();
-    double squared = 0;
-    for (int i = 0; i < atoms.nlocal; ++i)
-        squared = std::max(
-            squared, atoms.v[i][0] * atoms.v[i][0] + atoms.v[i][1] * atoms.v[i][1] + atoms.v[i][2] * atoms.v[i][2]);
-    return std::sqrt(state_->largest(squared)) / state_->scale;
-}
-
 std::optional<double> Simulation::periodic_section() const {
     if (state_->model.lateral == Lateral::free) return {};
     const LAMMPS_NS::Domain& domain = *state_->session.lmp().domain;
@@ -681,7 +672,7 @@ void Simulation::restore(const FoundCheckpoint& found) {
         motion.first_step = step();
         s.planes->move(motion);
     }
-    if (s.loading && s.model.self_contact) s.remember_contacts();
+    if (s.model.self_contact && s.loading) s.remember_contacts();
     if (s.contact != nullptr) {
         ContactMemory& memory = s.contact->memory();
         memory.resize(atoms.nlocal, 0);
@@ -726,6 +717,18 @@ RowBlock Simulation::position_rows() const {
         s.session.lmp().domain->unmap(atoms.x[i], atoms.image[i], unwrapped.data());
         const Vec3 point = s.centre + s.turned_back(unwrapped) / s.scale;
         values.insert(values.end(), point.begin(), point.end());
+    }
+    return s.rows(3, values);
+}
+
+RowBlock Simulation::outward_rows() const {
+    State& s = *state_;
+    std::vector<double> values;
+    for (int i = 0; i < s.atom().nlocal; ++i) {
+        Vec3 outward = Vec3::Zero();
+        if (s.contact != nullptr) outward = Vec3(s.contact->memory().outward()[i].data());
+        outward = s.turned_back(outward) / s.scale;
+        values.insert(values.end(), outward.begin(), outward.end());
     }
     return s.rows(3, values);
 }

@@ -69,7 +69,6 @@ class Simulation {
     /// in the order in which the walls were placed.
     std::vector<Vec3> take_wall_forces();
     Energies energies() const;
-    double largest_speed() const;
     /// Present area between periodic sides [mm^2], in the sample's own lengths; nothing when the sides are free.
     std::optional<double> periodic_section() const;
     double initial_height() const;  ///< H0 [mm] of the sample's own lengths
@@ -95,6 +94,7 @@ class Simulation {
     /// sample's axes.
     RowBlock position_rows() const;  ///< mm, not cut by periodic sides
     RowBlock velocity_rows() const;  ///< mm/s
+    RowBlock outward_rows() const;   ///< outward vectors of self-contact [mm]; zero before the first step under load
     /// Stress at the last step, which must be a sample: xx yy zz xy xz yz [Pa], tension positive, as the laws saw it
     /// there. The volume is volume_per_particle().
     /// sigma_ab = 1/V sum f_a l_b over the contacts of a particle, planes and walls included (thesis eq. 8.12).

@@ -5,6 +5,7 @@
 
 #include "core/cli.hpp"
 #include "core/packing_file.hpp"
+#include "solver_plugin/explain.hpp"
 #include "solver_plugin/mpi_tool.hpp"
 
 namespace {
@@ -14,6 +15,7 @@ using namespace tomodem;
 struct Request {
     std::filesystem::path sample, scene, run;
     RunControl control;
+    bool explain = false;
 };
 
 cli::Usage usage(Request& request) {
@@ -25,17 +27,37 @@ cli::Usage usage(Request& request) {
               "go on from RUN.checkpoint, which an interrupted run has left; without one, start from the beginning")
         .option("--checkpoint-every", request.control.checkpoint_minutes, cli::Unit::none, cli::not_negative,
                 "minutes of wall time between two checkpoints; 0: none at all")
+        .flag("--explain", request.explain,
+              "check the scene and say what it switches on, how many steps it takes, and, from two seconds of it on "
+              "this machine, how long and how much memory; RUN is not written")
         .example("solve relaxed.h5 scene.toml run.h5")
+        .example("solve relaxed.h5 scene.toml run.h5 --explain")
         .example("solve relaxed.h5 scene.toml run.h5 --resume")
         .example("mpirun -np 2 solve relaxed.h5 scene.toml run.h5 --json run.json");
+}
+
+void tell(const Explanation& found) {
+    for (const Ingredient& one : found.ingredients)
+        cli::report(one.name, fmt::format("{}: {}", one.on ? "on" : "off", one.why));
+    cli::report("particles", found.particles);
+    cli::report("processes", static_cast<std::int64_t>(found.processes));
+    cli::report("time_step", found.time_step, "s");
+    cli::report("time_step_reason", found.time_step_reason);
+    cli::report("steps", found.steps);
+    cli::report("seconds_per_particle_step", found.seconds_per_particle_step, "s");
+    cli::report("predicted_wall_seconds", found.wall_seconds, "s");
+    cli::report("predicted_peak_bytes", found.peak_bytes, "B");
 }
 
 void run(const Request& request) {
     const Scene scene = read_scene(request.scene);
     const Packing sample = read_sample(request.sample);
+    if (request.explain) {
+        tell(explain(sample, scene, MPI_COMM_WORLD));
+        return;
+    }
     Provenance provenance = cli::provenance();
     provenance.scene = scene.text;
-    for (const Wall& wall : scene.walls) provenance.inputs[wall.surface.string()] = content_digest(wall.surface);
     if (request.control.resume && is_complete(request.run, provenance)) {
         cli::note(fmt::format("'{}' is complete: nothing to do", request.run.string()));
         return;
@@ -52,6 +74,7 @@ void run(const Request& request) {
     }
     cli::report("processes", static_cast<std::int64_t>(result.cost.processes));
     cli::report("neighbour_builds", result.cost.neighbour_builds);
+    if (result.predicted_wall_seconds > 0) cli::report("predicted_wall_seconds", result.predicted_wall_seconds, "s");
     cli::report("wall_seconds", result.cost.wall_seconds, "s");
     cli::report("cpu_seconds", result.cost.cpu_seconds, "s");
     cli::report("seconds_per_particle_step",

@@ -1,100 +1,39 @@
 #include "solver_plugin/solver.hpp"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <deque>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 #include "core/cli.hpp"
 #include "core/error.hpp"
 #include "core/law/bilin_flow.hpp"
 #include "core/load_path.hpp"
-#include "core/mesh.hpp"
 #include "core/output_file.hpp"
 #include "core/packing_file.hpp"
 #include "core/run_file.hpp"
 #include "solver_plugin/checkpoint.hpp"
+#include "solver_plugin/guards.hpp"
+#include "solver_plugin/meter.hpp"
+#include "solver_plugin/run_curves.hpp"
+#include "solver_plugin/run_plan.hpp"
+#include "solver_plugin/scene_walls.hpp"
 #include "solver_plugin/simulation.hpp"
 #include "solver_plugin/stop_signals.hpp"
 
 namespace tomodem {
 namespace {
 
-using plugin::PlaneForces;
 using plugin::Simulation;
 
-/// Kinetic energy over N k_rep r_s^2 above which a packing is falling apart (a calm one has 1e-6 or less).
-constexpr double runaway_energy = 0.05;
-/// Elastic energy over N k_rep r_s^2 above which the packing has collapsed: seeds overlap by 0.26 r_s in the mean. At
-/// the upper end of BILIN's rate sensitivity (chi = 41) it is 0.02.
-constexpr double collapse_energy = 0.2;
-
-constexpr int points_per_window = 10;
-/// Natural periods of rest between planes that pull, for the faces to lie against them.
-constexpr double seating_periods = 20;
-
-/// Of stress, in a point of the curves: 20 in a window.
-constexpr int samples_per_point = 2;
-
-/// Steps after which, at the next point of the curves, the solver is set up anew: what a checkpoint can be made of.
-constexpr std::int64_t steps_between_rests = 2000;
+/// Of pressing, before the time of the whole run is predicted.
+constexpr double seconds_to_predict_from = 2;
 
 /// Time between two looks for signals.
 constexpr double seconds_of_a_piece = 0.2;
-
-/// Way of a plane in one time step over the crown radius: a particle must see a plane come (thesis: at most a tenth).
-constexpr double plane_way_refused = 0.5;
-constexpr double plane_way_warned = 0.1;
-
-/// The same way in one natural period. A particle that a plane hits is dug into by 1/(2 pi) of it.
-constexpr double plane_way_in_period_warned = 1;
-
-class Meter {
- public:
-    explicit Meter(MPI_Comm communicator) : communicator_(communicator), cpu_(own_cpu()) {}
-
-    /// Adds what earlier processes spent on the same run.
-    void carry(double wall_seconds, double cpu_seconds) {
-        earlier_wall_ = wall_seconds;
-        earlier_cpu_ = cpu_seconds;
-    }
-
-    Cost cost(std::int64_t steps, std::int64_t builds) const {
-        Cost cost;
-        cost.steps = steps;
-        cost.neighbour_builds = builds;
-        cost.wall_seconds =
-            earlier_wall_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-        const double mine[2] = {own_cpu() - cpu_, peak()};
-        double all[2];
-        MPI_Allreduce(mine, all, 2, MPI_DOUBLE, MPI_SUM, communicator_);
-        cost.cpu_seconds = earlier_cpu_ + all[0];
-        cost.peak_bytes = static_cast<std::int64_t>(all[1]);
-        MPI_Comm_size(communicator_, &cost.processes);
-        return cost;
-    }
-
- private:
-    static double own_cpu() {
-        rusage usage{};
-        getrusage(RUSAGE_SELF, &usage);
-        return usage.ru_utime.tv_sec + usage.ru_stime.tv_sec + 1e-6 * (usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-    }
-    static double peak() {
-        rusage usage{};
-        getrusage(RUSAGE_SELF, &usage);
-        return usage.ru_maxrss * 1024.0;
-    }
-    MPI_Comm communicator_;
-    double cpu_, earlier_wall_ = 0, earlier_cpu_ = 0;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 bool first_process(MPI_Comm communicator) {
     int rank = 0;
@@ -139,43 +78,6 @@ Simulation::Watch watching(Watch& watch, const Simulation& simulation) {
     return [&watch, &simulation] { return watch.next_piece(simulation.step()); };
 }
 
-/// Kinetic energy over N k_rep r_s^2, with the stiffest phase, in the sample's lengths.
-double reduced_energy(double kinetic, const Model& model, const Packing& sample) {
-    double stiffest = 0;
-    for (const PhaseModel& phase : model.phases) stiffest = std::max(stiffest, phase.pair.repulsive_stiffness);
-    const double stiffness = stiffest * sample.seed_radius / model.seed_radius;
-    return kinetic / (static_cast<double>(sample.size()) * stiffness * sample.seed_radius * sample.seed_radius);
-}
-
-void refuse_runaway(const Simulation& simulation, double kinetic_energy, const Model& model, const Packing& sample,
-                    const std::string& when) {
-    if (simulation.particles() != static_cast<std::int64_t>(sample.size()))
-        throw InvalidInput(fmt::format("{} particles were lost {} (step {}); take a smaller strain_per_step",
-                                       sample.size() - simulation.particles(), when, simulation.step()));
-    const double energy = reduced_energy(kinetic_energy, model, sample);
-    if (!(energy < runaway_energy))
-        throw InvalidInput(fmt::format(
-            "the packing falls apart {} (step {}): its kinetic energy is {:.2g} N k_rep r_s^2, above {:g}; take a "
-            "lower rate, a smaller strain_per_step, or a shorter natural_period",
-            when, simulation.step(), energy, runaway_energy));
-}
-
-/// What only a run under load can do.
-void refuse_collapse(const Simulation& simulation, double elastic_energy, const Model& model, const Packing& sample,
-                     const std::string& when) {
-    if (const std::int64_t overrun = simulation.particles_behind_planes(); overrun > 0)
-        throw InvalidInput(fmt::format(
-            "the planes have run over {} particles {} (step {}): they are too fast for particles this heavy; take a "
-            "lower rate or a shorter natural_period",
-            overrun, when, simulation.step()));
-    const double energy = reduced_energy(elastic_energy, model, sample);
-    if (!(energy < collapse_energy))
-        throw InvalidInput(fmt::format(
-            "the packing has collapsed {} (step {}): the elastic energy of its seeds is {:.2g} N k_rep r_s^2, above "
-            "{:g}; is the seed radius of the sample right? Otherwise take a lower rate or a shorter natural_period",
-            when, simulation.step(), energy, collapse_energy));
-}
-
 void relax_inside(Simulation& simulation, const Model& model, const Packing& sample, double periods,
                   const Simulation::Watch& watch = {}) {
     const auto steps = static_cast<std::int64_t>(std::ceil(periods * law::least_steps_per_period));
@@ -189,181 +91,9 @@ void relax_inside(Simulation& simulation, const Model& model, const Packing& sam
     }
 }
 
-/// Reads the surfaces of the scene's walls and stands them around the sample.
-enum class Room { checked, taken };  ///< whether they may stand inside the sample, as they do later in a run
-void place_walls(Simulation& simulation, const Scene& scene, Room room) {
-    for (const Wall& wall : scene.walls) {
-        const auto refuse = [&](const std::string& what) {
-            throw InvalidInput(
-                fmt::format("scene '{}' line {}: wall '{}': {}", scene.path.string(), wall.line, wall.name, what));
-        };
-        try {
-            TriangleMesh mesh = read_mesh(wall.surface);
-            for (Vec3& vertex : mesh.vertices) vertex *= wall.unit;
-            if (const std::int64_t inside = simulation.place_wall(mesh, wall); inside > 0 && room == Room::checked)
-                refuse(
-                    fmt::format("its surface stands inside the sample: {} particles are nearer than half a seed "
-                                "radius; move it, or check its unit",
-                                inside));
-        } catch (const InvalidInput& error) {
-            if (std::string_view(error.what()).starts_with("scene '")) throw;
-            refuse(error.what());
-        }
-    }
-}
-
-/// Mean forces of planes and walls on the sample over some steps.
-struct Forces {
-    PlaneForces planes;
-    std::vector<Vec3> walls;
-    std::int64_t steps = 0;
-};
-
-/// Means of the forces over the last window of strain, point by point.
-class ForceWindow {
- public:
-    void add(Forces forces) {
-        recent_.push_back(std::move(forces));
-        if (recent_.size() > points_per_window) recent_.pop_front();
-    }
-    Forces mean() const {
-        Forces mean{{}, std::vector<Vec3>(recent_.front().walls.size(), Vec3::Zero()), 0};
-        for (const Forces& forces : recent_) mean.steps += forces.steps;
-        for (const Forces& forces : recent_) {
-            const double share = static_cast<double>(forces.steps) / static_cast<double>(mean.steps);
-            mean.planes.top += share * forces.planes.top;
-            mean.planes.bottom += share * forces.planes.bottom;
-            for (std::size_t k = 0; k < mean.walls.size(); ++k) mean.walls[k] += share * forces.walls[k];
-        }
-        return mean;
-    }
-    std::vector<double> numbers() const {
-        std::vector<double> all;
-        for (const Forces& forces : recent_) {
-            all.insert(all.end(), {forces.planes.top, forces.planes.bottom, static_cast<double>(forces.planes.steps),
-                                   static_cast<double>(forces.steps)});
-            for (const Vec3& force : forces.walls) all.insert(all.end(), force.begin(), force.end());
-        }
-        return all;
-    }
-    void restore(const std::vector<double>& numbers, std::size_t walls) {
-        recent_.clear();
-        for (auto at = numbers.begin(); at != numbers.end();) {
-            Forces forces{{at[0], at[1], static_cast<long>(at[2])}, {}, static_cast<std::int64_t>(at[3])};
-            at += 4;
-            for (std::size_t k = 0; k < walls; ++k, at += 3) forces.walls.emplace_back(at[0], at[1], at[2]);
-            recent_.push_back(std::move(forces));
-        }
-    }
-
- private:
-    std::deque<Forces> recent_;
-};
-
-struct Point {
-    double strain, stress_true, stress_engineering, force_top, force_bottom, equilibrium_error, section;
-};
-
-Point measure(double strain, const PlaneForces& forces, double section, double initial_section) {
-    Point point{};
-    point.strain = strain;
-    point.force_top = forces.top;
-    // The sample pushes or pulls the two planes in opposite directions; with the sign of the axis they add up to zero.
-    point.force_bottom = -forces.bottom;
-    const double force = (forces.top + forces.bottom) / 2;
-    const double magnitude = (std::abs(forces.top) + std::abs(forces.bottom)) / 2;
-    point.section = section;
-    point.stress_true = force / point.section;
-    point.stress_engineering = force / initial_section;
-    point.equilibrium_error = magnitude > 0 ? std::abs(point.force_top + point.force_bottom) / magnitude : 0;
-    return point;
-}
-
-struct CurveValue {
-    std::string name, unit;
-    double value;
-};
-
-/// Everything that one point of the curves holds.
-std::vector<CurveValue> curve_values(const Scene& scene, const Point& point, const std::vector<Vec3>& wall_forces,
-                                     const plugin::Energies& energies) {
-    std::vector<CurveValue> all{{"strain", "", point.strain}};
-    if (!scene.steps.empty())
-        all.insert(all.end(), {{"stress_true", "Pa", point.stress_true},
-                               {"stress_engineering", "Pa", point.stress_engineering},
-                               {"force_top", "uN", point.force_top},
-                               {"force_bottom", "uN", point.force_bottom},
-                               {"equilibrium_error", "", point.equilibrium_error},
-                               {"section", "mm^2", point.section}});
-    all.insert(all.end(), {{"kinetic_energy", "nJ", energies.kinetic}, {"potential_energy", "nJ", energies.seeds}});
-    for (std::size_t k = 0; k < scene.walls.size(); ++k)
-        for (int axis = 0; axis < 3; ++axis)
-            all.push_back(
-                {fmt::format("wall_{}_force_{}", scene.walls[k].name, "xyz"[axis]), "uN", wall_forces[k][axis]});
-    return all;
-}
-
 const ParticleField velocity_field{"velocity", "mm s-1", 3};
+const ParticleField outward_field{"outward", "mm", 3};
 const ParticleField stress_field{"stress", "Pa", 6};
-
-/// A point of the curves, and what is done there.
-struct PlannedPoint {
-    std::size_t segment;
-    std::int64_t from, to;  ///< steps of its segment
-    double travelled;       ///< path in strain
-    bool frame = false;     ///< written behind it
-    bool sampled = false;   ///< stresses are, on the way to it
-    bool rest = false;      ///< the solver is set up anew behind it
-};
-
-/// Everything that happens in a run, known beforehand: hence the same however often it is interrupted.
-std::vector<PlannedPoint> plan_points(const Scene& scene, const std::vector<LoadSegment>& segments) {
-    const double spacing = scene.averaging_strain / points_per_window;
-    const double frame_spacing = scene.path_length() / static_cast<double>(scene.frames);
-    std::vector<PlannedPoint> plan;
-    double travelled = 0;
-    std::int64_t frames = 0, since_rest = 0;
-    for (std::size_t k = 0; k < segments.size(); ++k) {
-        std::int64_t from = 0;
-        double reached = segments[k].strain;
-        for (const std::int64_t to : segments[k].curve_steps(spacing)) {
-            const double strain = segments[k].strain_at(segments[k].time_step * static_cast<double>(to));
-            travelled += std::abs(strain - reached);
-            reached = strain;
-            PlannedPoint point{k, from, to, travelled};
-            if (travelled >= static_cast<double>(frames + 1) * frame_spacing * (1 - 1e-9)) {
-                point.frame = true;
-                frames = static_cast<std::int64_t>(travelled / frame_spacing * (1 + 1e-9));
-            }
-            since_rest += to - from;
-            point.rest = since_rest >= steps_between_rests;
-            if (point.rest) since_rest = 0;
-            from = to;
-            plan.push_back(point);
-        }
-    }
-    for (std::size_t k = 0; scene.write_stress && k < plan.size(); ++k)
-        for (std::size_t j = k; j < std::min(plan.size(), k + points_per_window); ++j)
-            if (plan[j].frame) {
-                plan[k].sampled = true;
-                break;
-            }
-    return plan;
-}
-
-/// Where stresses are sampled among the steps to a point: anywhere in each of equal parts, since the particles swing in
-/// step with each other, which equal distances would miss.
-std::vector<std::int64_t> sample_steps(std::int64_t steps, std::size_t point) {
-    const auto samples = std::min<std::int64_t>(samples_per_point, steps);
-    std::vector<std::int64_t> result;
-    for (std::int64_t k = 0; k < samples; ++k) {
-        const std::int64_t from = steps * k / samples, length = steps * (k + 1) / samples - from;
-        const double place = std::numbers::phi * static_cast<double>(samples * static_cast<std::int64_t>(point) + k);
-        result.push_back(from + 1 +
-                         static_cast<std::int64_t>((place - std::floor(place)) * static_cast<double>(length)));
-    }
-    return result;
-}
 
 std::filesystem::path with_suffix(std::filesystem::path file, const char* suffix) {
     std::error_code error;
@@ -376,34 +106,6 @@ Inputs inputs_of(const Provenance& provenance) {
     for (const auto& [name, digest] : provenance.inputs) digests.push_back(digest);
     std::sort(digests.begin(), digests.end());
     return {provenance.version, provenance.scene, fmt::format("{}", fmt::join(digests, " "))};
-}
-
-/// The planes must not jump over particles.
-void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample) {
-    if (scene.steps.empty()) return;
-    double low = 1e300, high = -1e300;
-    for (const Vec3& point : sample.position) {
-        low = std::min(low, point[scene.axis]);
-        high = std::max(high, point[scene.axis]);
-    }
-    double highest_strain = 0;
-    for (const LoadStep& step : scene.steps) highest_strain = std::max(highest_strain, step.strain);
-    const double height = (high - low) * model.seed_radius / sample.seed_radius * std::exp(highest_strain);
-    const double speed = 0.5 * scene.highest_rate() * height / model.crown_radius;
-    const double way = speed * model.time_step;
-    const std::string what = fmt::format(
-        "the planes move by {:.2g} crown radii in one time step (critical regime: particles do not see them come)",
-        way);
-    if (way > plane_way_refused)
-        throw InvalidInput(
-            fmt::format("{}, at most {:g}; take a smaller time_step or strain_per_step", what, plane_way_refused));
-    if (way > plane_way_warned) cli::warn(fmt::format("{}; better below {:g}", what, plane_way_warned));
-    for (const PhaseModel& phase : model.phases)
-        if (speed * phase.natural_period > plane_way_in_period_warned)
-            cli::warn(fmt::format(
-                "the planes move by {:.2g} crown radii in one natural period of label {} ({:.3g} s): "
-                "its inertia carries the load; better below {:g}",
-                speed * phase.natural_period, phase.label, phase.natural_period, plane_way_in_period_warned));
 }
 
 /// A run between its first and its last point.
@@ -432,6 +134,7 @@ class Pressing {
         const Vec3 edges = sample.box.edges;
         initial_section_ = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];
         if (scene.write_velocity) fields_.push_back(velocity_field);
+        if (scene.self_contact) fields_.push_back(outward_field);
         simulation_.emplace(sample, model_, scene.axis, communicator);
         if (scene.write_stress) {
             fields_.push_back(stress_field);
@@ -451,8 +154,11 @@ class Pressing {
             std::optional<cli::Progress> progress;
             const double before = next_ > 0 ? plan_[next_ - 1].travelled : 0;
             progress.emplace("pressing", plan_.back().travelled - before);
+            const auto begun = std::chrono::steady_clock::now();
+            const std::int64_t first_step = step();
             while (next_ < plan_.size()) {
                 reach(plan_[next_]);
+                if (predicted_wall_ == 0) predict(begun, first_step);
                 progress->update(plan_[next_ - 1].travelled - before);
             }
         } catch (const Stopped& stop) {
@@ -639,6 +345,7 @@ class Pressing {
         };
         write(position_field, positions);
         if (scene_.write_velocity) write(velocity_field, simulation().velocity_rows());
+        if (scene_.self_contact) write(outward_field, simulation().outward_rows());
         if (scene_.write_stress) {
             if (samples_ == 0) {  // at rest: no rates, from which the laws tell attraction from none
                 sums_ = {positions.first, stress_field.components, {}};
@@ -723,8 +430,18 @@ class Pressing {
                            checkpoint_file_.string(), partial_.string());
     }
 
+    /// Total wall time, once there are some seconds of pressing to judge from.
+    void predict(std::chrono::steady_clock::time_point begun, std::int64_t first_step) {
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+        if (seconds < seconds_to_predict_from) return;
+        const std::int64_t all = segment_start(segments_.size()) - start_;
+        const double per_step = seconds / static_cast<double>(step() - first_step);
+        predicted_wall_ = meter_.cost(0, 0).wall_seconds + per_step * static_cast<double>(all - step());
+    }
+
     RunResult finish() {
         RunResult result;
+        result.predicted_wall_seconds = predicted_wall_;
         result.time_step = model_.time_step;
         result.particles = static_cast<std::int64_t>(sample_.size());
         result.final_strain = last_strain_;
@@ -770,6 +487,7 @@ class Pressing {
     std::int64_t start_ = 0;
     std::size_t frames_ = 0;
     ForceWindow window_;
+    double predicted_wall_ = 0;
     double error_sum_ = 0, last_stress_ = 0, last_strain_ = 0;
     std::int64_t error_points_ = 0, samples_ = 0;
     RowBlock sums_;

@@ -25,6 +25,9 @@ struct Cost {
 /// Enough for a dense or a porous sample of BILIN to come to rest.
 inline constexpr double default_relaxation_periods = 20;
 
+/// Of rest between planes that pull, for the faces to lie against them.
+inline constexpr double seating_periods = 20;
+
 struct Relaxation {
     Packing sample;                   ///< at rest, `relaxed`; complete on the first process only
     double residual_energy = 0.0;     ///< kinetic energy at the end over N k_rep r_s^2 [-]
@@ -44,6 +47,7 @@ struct RunResult {
     double mean_equilibrium_error = 0;  ///< over the second half of the strain path [-]
     std::int64_t particles = 0;
     std::int64_t particles_lost = 0;
+    double predicted_wall_seconds = 0;  ///< after the first seconds of the run; 0: it was over before
 };
 
 /// How a run is protected against its end: docs/running.md.

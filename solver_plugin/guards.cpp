@@ -1,0 +1,94 @@
+#include "solver_plugin/guards.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/cli.hpp"
+#include "core/error.hpp"
+
+namespace tomodem {
+
+using plugin::Simulation;
+
+namespace {
+
+/// Kinetic energy over N k_rep r_s^2 above which a packing is falling apart (a calm one has 1e-6 or less).
+constexpr double runaway_energy = 0.05;
+/// Elastic energy over N k_rep r_s^2 above which the packing has collapsed: seeds overlap by 0.26 r_s in the mean. At
+/// the upper end of BILIN's rate sensitivity (chi = 41) it is 0.02.
+constexpr double collapse_energy = 0.2;
+
+/// Way of a plane in one time step over the crown radius: a particle must see a plane come (thesis: at most a tenth).
+constexpr double plane_way_refused = 0.5;
+constexpr double plane_way_warned = 0.1;
+
+/// The same way in one natural period. A particle that a plane hits is dug into by 1/(2 pi) of it.
+constexpr double plane_way_in_period_warned = 1;
+
+}  // namespace
+
+double reduced_energy(double kinetic, const Model& model, const Packing& sample) {
+    double stiffest = 0;
+    for (const PhaseModel& phase : model.phases) stiffest = std::max(stiffest, phase.pair.repulsive_stiffness);
+    const double stiffness = stiffest * sample.seed_radius / model.seed_radius;
+    return kinetic / (static_cast<double>(sample.size()) * stiffness * sample.seed_radius * sample.seed_radius);
+}
+
+void refuse_runaway(const Simulation& simulation, double kinetic_energy, const Model& model, const Packing& sample,
+                    const std::string& when) {
+    if (simulation.particles() != static_cast<std::int64_t>(sample.size()))
+        throw InvalidInput(fmt::format("{} particles were lost {} (step {}); take a smaller strain_per_step",
+                                       sample.size() - simulation.particles(), when, simulation.step()));
+    const double energy = reduced_energy(kinetic_energy, model, sample);
+    if (!(energy < runaway_energy))
+        throw InvalidInput(fmt::format(
+            "the packing falls apart {} (step {}): its kinetic energy is {:.2g} N k_rep r_s^2, above {:g}; take a "
+            "lower rate, a smaller strain_per_step, or a shorter natural_period",
+            when, simulation.step(), energy, runaway_energy));
+}
+
+void refuse_collapse(const Simulation& simulation, double elastic_energy, const Model& model, const Packing& sample,
+                     const std::string& when) {
+    if (const std::int64_t overrun = simulation.particles_behind_planes(); overrun > 0)
+        throw InvalidInput(fmt::format(
+            "the planes have run over {} particles {} (step {}): they are too fast for particles this heavy; take a "
+            "lower rate or a shorter natural_period",
+            overrun, when, simulation.step()));
+    const double energy = reduced_energy(elastic_energy, model, sample);
+    if (!(energy < collapse_energy))
+        throw InvalidInput(fmt::format(
+            "the packing has collapsed {} (step {}): the elastic energy of its seeds is {:.2g} N k_rep r_s^2, above "
+            "{:g}; is the seed radius of the sample right? Otherwise take a lower rate or a shorter natural_period",
+            when, simulation.step(), energy, collapse_energy));
+}
+
+void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample) {
+    if (scene.steps.empty()) return;
+    double low = 1e300, high = -1e300;
+    for (const Vec3& point : sample.position) {
+        low = std::min(low, point[scene.axis]);
+        high = std::max(high, point[scene.axis]);
+    }
+    double highest_strain = 0;
+    for (const LoadStep& step : scene.steps) highest_strain = std::max(highest_strain, step.strain);
+    const double height = (high - low) * model.seed_radius / sample.seed_radius * std::exp(highest_strain);
+    const double speed = 0.5 * scene.highest_rate() * height / model.crown_radius;
+    const double way = speed * model.time_step;
+    const std::string what = fmt::format(
+        "the planes move by {:.2g} crown radii in one time step (critical regime: particles do not see them come)",
+        way);
+    if (way > plane_way_refused)
+        throw InvalidInput(
+            fmt::format("{}, at most {:g}; take a smaller time_step or strain_per_step", what, plane_way_refused));
+    if (way > plane_way_warned) cli::warn(fmt::format("{}; better below {:g}", what, plane_way_warned));
+    for (const PhaseModel& phase : model.phases)
+        if (speed * phase.natural_period > plane_way_in_period_warned)
+            cli::warn(fmt::format(
+                "the planes move by {:.2g} crown radii in one natural period of label {} ({:.3g} s): "
+                "its inertia carries the load; better below {:g}",
+                speed * phase.natural_period, phase.label, phase.natural_period, plane_way_in_period_warned));
+}
+
+}  // namespace tomodem
