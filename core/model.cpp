@@ -99,6 +99,27 @@ void check_lateral_sides(const Scene& scene, const Packing& sample) {
     }
 }
 
+/// The longest strain in a step whose inertia keeps within the bound on the equilibrium error.
+///
+/// The error is about rate t0 / 2 at worst: 0.05 to 0.08 % at rate t0 = 2.5e-3, 0.28 % at 5.7e-3 (docs/method.md).
+double strain_per_step_for(const Scene& scene, double equilibrium_error) {
+    const double longest = 2 * equilibrium_error;  // rate t0
+    double strain_per_step = longest / law::least_steps_per_period;
+    for (const Phase& phase : scene.phases) {
+        if (phase.norton) {
+            const double chi = law::bilin_chi_for(phase.norton->rate_sensitivity);  // = (rate t0)^2 / strain_per_step
+            if (chi > 0) strain_per_step = std::min(strain_per_step, longest * longest / chi);
+        } else if (scene.highest_rate() * *phase.natural_period > longest) {
+            throw InvalidInput(fmt::format(
+                "scene '{}' line {}: the natural period {:g} s of [phase.{}] alone makes an equilibrium error of about "
+                "{:.2g}, above the {:g} asked for; give a shorter one",
+                scene.path.string(), phase.line, *phase.natural_period, phase.name,
+                scene.highest_rate() * *phase.natural_period / 2, equilibrium_error));
+        }
+    }
+    return strain_per_step;
+}
+
 }  // namespace
 
 Model compile_model(const Scene& scene, const Packing& sample) {
@@ -117,7 +138,9 @@ Model compile_model(const Scene& scene, const Packing& sample) {
     Model model;
     model.seed_radius = scene.seed_radius;
     model.crown_radius = scene.crown_radius;
-    double time_step = scene.strain_per_step / scene.highest_rate();
+    double strain_per_step = scene.strain_per_step;
+    if (scene.equilibrium_error) strain_per_step = strain_per_step_for(scene, *scene.equilibrium_error);
+    double time_step = strain_per_step / scene.highest_rate();
     for (const Phase& phase : scene.phases)
         if (phase.natural_period)
             time_step = std::min(time_step, *phase.natural_period / least_steps_per_period(phase.law));

@@ -373,6 +373,14 @@ void read_accuracy(TableReader reader, Scene& scene) {
                         "strain_per_step chooses the time step: remove one of the two");
         scene.strain_per_step = *value;
     }
+    scene.equilibrium_error = reader.positive("equilibrium_error");
+    if (scene.equilibrium_error) {
+        const toml::node& node = *reader.find("equilibrium_error");
+        if (scene.law() != Law::bilin)
+            reader.fail(node, "equilibrium_error is known beforehand for law \"bilin\" only; choose strain_per_step");
+        if (scene.time_step || reader.find("strain_per_step") != nullptr)
+            reader.fail(node, "equilibrium_error chooses the time step: remove time_step and strain_per_step");
+    }
     scene.averaging_strain = reader.positive("averaging_strain").value_or(scene.averaging_strain);
     scene.frames = reader.integer("frames", 1).value_or(scene.frames);
     reader.refuse_unknown();

@@ -98,8 +98,9 @@ struct Scene {
 
     std::optional<double> time_step;  ///< s; chosen from strain_per_step when not given
     double strain_per_step = 5e-6;    ///< largest strain in one time step [-]: the knob of speed against inertia
-    double averaging_strain = 0.01;   ///< window of the forces [-]
-    std::int64_t frames = 30;         ///< frames after the initial one, equally spaced in strain
+    std::optional<double> equilibrium_error;  ///< bound that chooses strain_per_step instead (BILIN) [-]
+    double averaging_strain = 0.01;           ///< window of the forces [-]
+    std::int64_t frames = 30;                 ///< frames after the initial one, equally spaced in strain
 
     bool write_velocity = false;  ///< of each particle, in every frame
     bool write_stress = false;    ///< of each particle, mean over the averaging window before each frame

@@ -51,7 +51,7 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
     add("flow_initiation", scene.initiation.has_value(), "initiation in [load]", "full rate from the first step");
     add("relaxation_first", !sample.relaxed, "the sample is not relaxed", "the sample is relaxed");
     add("rest_between_the_planes", model.trilin, "planes of law \"trilin\" pull",
-        "planes of law \"bilin\" only push at first");
+        "planes of law \"bilin\" do not pull at rest");
     add("velocities_in_frames", scene.write_velocity, "velocity = true in [output]", "not asked for");
     add("stresses_in_frames", scene.write_stress, "stress = true in [output]", "not asked for");
     add("rotations_torques_friction", false, "", "the method has none");
@@ -60,6 +60,7 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
 
 std::string time_step_reason(const Scene& scene, const Model& model) {
     if (scene.time_step) return "given in [accuracy]";
+    if (scene.equilibrium_error) return fmt::format("equilibrium_error {:g}", *scene.equilibrium_error);
     const double wanted = scene.strain_per_step / scene.highest_rate();
     if (model.time_step >= wanted * (1 - 1e-9))
         return fmt::format("strain_per_step {:g} at the highest rate {:g} /s", scene.strain_per_step,

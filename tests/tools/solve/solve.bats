@@ -97,3 +97,21 @@ for name in ("sample.h5", "scene.toml"):
     assert inputs[name] == hashlib.sha256(open(name, "rb").read()).hexdigest()
 END
 }
+
+@test "--explain says what is on, why, and what a run will cost, and writes nothing" {
+    make_sample sample.h5
+    make_scene scene.toml -0.02
+    relax sample.h5 scene.toml relaxed.h5 --quiet
+    solve relaxed.h5 scene.toml run.h5 --explain --json explain.json | tee said.txt
+    grep -qF 'bounded_attraction: off: law "bilin"' said.txt
+    grep -qF 'relaxation_first: off' said.txt
+    [ ! -e run.h5 ] && [ ! -e run.h5.partial ]
+    solve relaxed.h5 scene.toml run.h5 --json run.json --quiet
+    /usr/bin/python3 - <<'END'
+import json
+said, was = json.load(open("explain.json")), json.load(open("run.json"))
+assert said["steps"] == was["steps"], (said["steps"], was["steps"])
+assert said["time_step"] == was["time_step"]
+assert said["predicted_wall_seconds"] > 0
+END
+}

@@ -150,6 +150,25 @@ TEST(Model, RefusesATimeStepThatIsUnstable) {
     EXPECT_THAT([&] { compile_model(coarse, block(3)); }, ThrowsMessage<InvalidInput>(HasSubstr("unstable")));
 }
 
+TEST(CompileModel, KeepsTheInertiaBelowTheEquilibriumErrorAskedFor) {
+    const auto compiled = [](const std::string& phase, double error) {
+        return compile_model(
+            parse_scene(fmt::format("[phase.a]\nlabel = 1\nlaw = \"bilin\"\n{}\n[load]\nsteps = [ {{ "
+                                    "strain = -0.1, rate = 1e-3 }} ]\n[accuracy]\nequilibrium_error = {}",
+                                    phase, error),
+                        "test"),
+            block(3));
+    };
+    for (const double error : {1e-3, 1e-2}) {
+        const Model viscous = compiled("norton = { K = 5020, M = 0.4 }", error);
+        EXPECT_NEAR(1e-3 * viscous.phases[0].natural_period / 2, error, 1e-6 * error);
+        const Model plastic = compiled("norton = { K = 95.9, M = 2e-3 }", error);
+        EXPECT_NEAR(1e-3 * plastic.phases[0].natural_period / 2, error, 1e-6 * error);
+    }
+    EXPECT_THAT([&] { compiled("repulsive_stiffness = 1e9\nnatural_period = 5", 1e-3); },
+                ThrowsMessage<InvalidInput>(HasSubstr("give a shorter one")));
+}
+
 TEST(CompileModel, GivesTrilinItsCalibratedConstants) {
     const auto trilin = [](const std::string& constants, double sensitivity_rate) {
         return compile_model(parse_scene(fmt::format("[phase.a]\nlabel = 1\nlaw = \"trilin\"\n{}\n[load]\n"
