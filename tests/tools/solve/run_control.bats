@@ -247,11 +247,16 @@ END
         solve relaxed.h5 $scene.toml run.h5 --resume --quiet
         same whole.h5 run.h5
     done
+    run solve relaxed.h5 walls.toml run.h5 --resume
+    [[ "$output" == *"is complete"* ]]
+    cp die.stl tool.stl
+    run solve relaxed.h5 walls.toml run.h5 --resume
+    [[ "$output" == *"starting from the beginning"* ]]
     /usr/bin/python3 - <<'END'
 import h5py
 import numpy as np
 
-run = h5py.File("run.h5")
+run = h5py.File("whole.h5")
 position, stress = (run[f"particles/all/{name}/value"][-1] for name in ("position", "stress"))
 curves = run["observables"]
 force = (curves["wall_tool_force_z/value"][-1] - curves["wall_die_force_z/value"][-1]) / 2
