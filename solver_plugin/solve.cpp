@@ -61,6 +61,9 @@ void run(const Request& request) {
     }
     Provenance provenance = cli::provenance();
     provenance.scene = scene.text;
+    for (const Wall& wall : scene.walls)  // one that is not there is told with its line, later
+        if (std::filesystem::exists(wall.surface))
+            provenance.inputs[wall.surface.string()] = content_digest(wall.surface);
     if (request.control.resume && is_complete(request.run, provenance)) {
         cli::note(fmt::format("'{}' is complete: nothing to do", request.run.string()));
         return;

@@ -176,6 +176,96 @@ END
     same whole.h5 run.h5
 }
 
+@test "periodic sides and surfaces are gone on with too" {
+    make_sample sample.h5
+    cat > periodic.toml <<'END'
+[phase.a]
+label = 1
+law = "bilin"
+repulsive_stiffness = 6.23e9
+natural_period = 0.1
+
+[load]
+lateral = "periodic"
+initiation = { strain = 0.02, noise = 0.1 }
+steps = [ { strain = -0.1, rate = [1e-2, 1e-4] }, { strain = -0.2, rate = 1e-2 } ]
+
+[accuracy]
+time_step = 1e-3
+frames = 4
+END
+    relax sample.h5 periodic.toml relaxed.h5 --quiet
+    /usr/bin/python3 - <<'END'
+import struct
+
+import h5py
+
+x = h5py.File("relaxed.h5")["particles/all/position/value"][0]
+low, high = x.min(axis=0) - 9, x.max(axis=0) + 9
+for name, z in (("die", x[:, 2].min() - 0.5), ("tool", x[:, 2].max() + 0.5)):
+    a, b, c, d = ((low[0], low[1], z), (high[0], low[1], z), (high[0], high[1], z), (low[0], high[1], z))
+    with open(name + ".stl", "wb") as out:
+        out.write(bytes(80) + struct.pack("<I", 2))
+        for corners in ((a, b, c), (a, c, d)):
+            out.write(struct.pack("<12fH", 0, 0, 1, *sum(corners, ()), 0))
+END
+    cat > walls.toml <<'END'
+[phase.a]
+label = 1
+law = "bilin"
+repulsive_stiffness = 6.23e9
+natural_period = 0.1
+
+[load]
+duration = "20 s"
+rate = 1e-2
+
+[[wall]]
+name = "die"
+surface = "die.stl"
+[[wall]]
+name = "tool"
+surface = "tool.stl"
+velocity = [0, 0, -0.08]
+
+[accuracy]
+time_step = 1e-3
+frames = 4
+
+[output]
+stress = true
+END
+    for scene in periodic walls; do
+        solve relaxed.h5 $scene.toml whole.h5 --quiet
+        rm -f run.h5
+        solve relaxed.h5 $scene.toml run.h5 --quiet & process=$!
+        wait_for run.h5.partial
+        sleep 0.6
+        kill $process
+        wait $process || true
+        [ -e run.h5.checkpoint ]
+        solve relaxed.h5 $scene.toml run.h5 --resume --quiet
+        same whole.h5 run.h5
+    done
+    run solve relaxed.h5 walls.toml run.h5 --resume
+    [[ "$output" == *"is complete"* ]]
+    cp die.stl tool.stl
+    run solve relaxed.h5 walls.toml run.h5 --resume
+    [[ "$output" == *"starting from the beginning"* ]]
+    /usr/bin/python3 - <<'END'
+import h5py
+import numpy as np
+
+run = h5py.File("whole.h5")
+position, stress = (run[f"particles/all/{name}/value"][-1] for name in ("position", "stress"))
+curves = run["observables"]
+force = (curves["wall_tool_force_z/value"][-1] - curves["wall_die_force_z/value"][-1]) / 2
+total = stress[:, 2].sum() * run["particles/all/stress"].attrs["volume"]
+print(total, force * (np.ptp(position[:, 2]) + 1))
+assert abs(total / (force * (np.ptp(position[:, 2]) + 2 * run["particles/all"].attrs["seed_radius"])) - 1) < 0.05
+END
+}
+
 @test "a run is not gone on with under another scene or from another sample" {
     make_relaxed 300
     solve relaxed.h5 scene.toml run.h5 --quiet & process=$!
