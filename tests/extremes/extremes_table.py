@@ -36,9 +36,9 @@ def solve(sample, phases, steps, time_step=0.05, extra="", accuracy=""):
     except subprocess.TimeoutExpired:
         return "HANGS"
     if done.returncode != 0:
-        lines = [line for line in done.stderr.splitlines() if line and "relaxing it first" not in line]
-        one_line = done.returncode == 1 and len(lines) == 1 and lines[0].startswith("solve: ")
-        return lines[0] if one_line else f"CRASH ({done.returncode}): {lines[:3]}"
+        lines = [line for line in done.stderr.splitlines() if line]
+        clear = done.returncode == 1 and lines and all(line.startswith("solve: ") for line in lines)  # notes, error
+        return lines[-1] if clear else f"CRASH ({done.returncode}): {lines[:3]}"
     with h5py.File(f"{count}.h5") as run:
         curves = {name: run[f"observables/{name}/value"][:] for name in ("strain", "stress_true", "stress_engineering")}
     summary = json.load(open("run.json"))
@@ -64,7 +64,8 @@ def row(case, result, right, answer):
 
 
 def refused(case, result, pattern):
-    row(case, result, isinstance(result, str) and re.search(pattern, result), f"refused: {result}"[:160])
+    said = isinstance(result, str) and not result.startswith(("CRASH", "HANGS", "SILENT"))
+    row(case, result, said and re.search(pattern, result), f"refused: {result}"[:160])
 
 
 def warning(result):
