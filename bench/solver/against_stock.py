@@ -105,7 +105,7 @@ options = parser.parse_args()
 options.bin = options.bin.resolve()
 particles = int(options.particles)
 mpirun = ["mpirun", "-np", options.processes] if options.processes > 1 else []
-short, long = (200, 1000) if particles <= 2e5 else (40, 160)
+short, long = (100, 500) if particles <= 2e5 else (40, 160)
 
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)

@@ -63,11 +63,11 @@ refused() {
 }
 
 @test "a writer that is interrupted leaves nothing behind" {
-    "$write_sample_run" 200000 5000 run.h5 &
+    "$write_sample_run" 200000 100 run.h5 &
     writer=$!
-    for _ in $(seq 100); do
+    for _ in $(seq 2000); do
         compgen -G '.run.part-*.h5' > found && break
-        sleep 0.05
+        sleep 0.01
     done
     [ -s found ]
     kill -TERM $writer
