@@ -22,8 +22,8 @@
 namespace tomodem::plugin {
 namespace {
 
-/// Skin of LIGGGHTS' ghosts over the seed radius: BILIN's packings are cold, TRILIN's hot. The vector loop has a list of
-/// its own.
+/// Skin of LIGGGHTS' ghosts over the seed radius: BILIN's packings are cold, TRILIN's hot. The vector loop has a list
+/// of its own.
 double skin_over_seed(const Model& model) {
     return model.trilin ? 1.6 : 0.6;
 }

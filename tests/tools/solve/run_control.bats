@@ -168,7 +168,7 @@ END
     solve relaxed.h5 trilin.toml whole.h5 --quiet
     solve relaxed.h5 trilin.toml run.h5 --quiet & process=$!
     wait_for run.h5.partial
-    sleep 0.4
+    sleep 0.2
     kill $process
     wait $process || true
     /usr/bin/python3 -c 'import h5py; assert h5py.File("run.h5.checkpoint")["particles/memory"].size >= 1500'
@@ -240,7 +240,7 @@ END
         rm -f run.h5
         solve relaxed.h5 $scene.toml run.h5 --quiet & process=$!
         wait_for run.h5.partial
-        sleep 0.6
+        sleep 0.2
         kill $process
         wait $process || true
         [ -e run.h5.checkpoint ]
