@@ -148,32 +148,11 @@ void CrownPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, 
 }
 
 double CrownPair::lateral_virial() {
-    // Ghosts still hold the velocities of the half step; those of this process have been kicked since.
-    const auto half_step_velocity = [&](int i, int c) {
-        return i < atom->nlocal ? atom->v[i][c] - 0.5 * update->dt / atom->rmass[i] * atom->f[i][c] : atom->v[i][c];
-    };
-    const ContactMemory* const memory = contact_ == nullptr ? nullptr : &contact_->memory();
     double virial = 0;
-    for_each_pair([&](int i, int j) {
-        law::Pair law = laws_.of_types[(atom->type[i] - 1) * laws_.type_count + atom->type[j] - 1];
-        if (laws_.dispersed) {
-            law.crown_distance = atom->radius[i] + atom->radius[j];
-            law.seed_distance = law.crown_distance * laws_.seed_to_crown;
-        }
-        double apart[3], squared = 0, rate = 0;
-        for (int c = 0; c < 3; ++c) {
-            apart[c] = atom->x[i][c] - atom->x[j][c];
-            squared += apart[c] * apart[c];
-            rate += apart[c] * (half_step_velocity(i, c) - half_step_velocity(j, c));
-        }
-        if (squared > law.crown_distance * law.crown_distance) return;
-        const bool other_object = object_ != nullptr && object_[atom->tag[i] - 1] != object_[atom->tag[j] - 1];
-        if (other_object || (memory != nullptr && memory->is_interface(i, atom->tag[j]))) law.greatest_attraction = 0;
-        const double distance = std::sqrt(squared);
+    tell_forces([&](int, int j, const double* force, const double* apart) {
         // A pair across a process boundary or a periodic side is seen from both sides.
         const double share = j < atom->nlocal ? 1.0 : 0.5;
-        virial +=
-            share * 0.5 * law::pair_force(law, distance, rate) / distance * (apart[0] * apart[0] + apart[1] * apart[1]);
+        virial += share * 0.5 * (force[0] * apart[0] + force[1] * apart[1]);
     });
     return virial;
 }
@@ -194,8 +173,14 @@ double CrownPair::seed_energy() {
     return energy;
 }
 
-void CrownPair::tell_forces(const double* velocity,
-                            const std::function<void(int, int, const double*, const double*)>& tell) {
+void CrownPair::tell_forces(const std::function<void(int, int, const double*, const double*)>& tell) {
+    // Ghosts still hold the velocities of the half step; those of this process have been kicked since.
+    std::vector<double> velocity(3 * static_cast<std::size_t>(atom->nlocal + atom->nghost));
+    for (int i = 0; i < atom->nlocal + atom->nghost; ++i)
+        for (int c = 0; c < 3; ++c) {
+            const double kick = i < atom->nlocal ? 0.5 * update->dt / atom->rmass[i] * atom->f[i][c] : 0.0;
+            velocity[3 * i + c] = atom->v[i][c] - kick;
+        }
     const ContactMemory* const memory = contact_ == nullptr ? nullptr : &contact_->memory();
     for_each_pair([&](int i, int j) {
         law::Pair law = laws_.of_types[(atom->type[i] - 1) * laws_.type_count + atom->type[j] - 1];

@@ -51,10 +51,9 @@ class CrownPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGra
     /// lateral pressure times the volume, as the law saw it in the last step of a run.
     double lateral_virial();
 
-    /// Tells the force of every pair of this process at the present positions, as the laws see it, and changes nothing.
-    /// @param velocity  3 per particle with ghosts
-    /// @param tell      (i, j, force on i [3], vector from j to i [3]); j may be a ghost
-    void tell_forces(const double* velocity, const std::function<void(int, int, const double*, const double*)>& tell);
+    /// Tells the force of every pair of this process as the law saw it in the last step of a run, and changes nothing.
+    /// @param tell  (i, j, force on i [3], vector from j to i [3]); j may be a ghost
+    void tell_forces(const std::function<void(int, int, const double*, const double*)>& tell);
 
     void settings(int, char**, LIGGGHTS::IContactHistorySetup*) override {}
     void init_granular() override;

@@ -6,11 +6,9 @@
 #include "core/hdf5_file.hpp"
 
 namespace tomodem {
-namespace {
 
-constexpr int patience_hundredths = 500;
-
-bool completes(MPI_Request& request) {
+bool completes_soon(MPI_Request& request) {
+    constexpr int patience_hundredths = 500;
     int arrived = 0;
     for (int waited = 0; waited < patience_hundredths; ++waited) {
         MPI_Test(&request, &arrived, MPI_STATUS_IGNORE);
@@ -20,8 +18,6 @@ bool completes(MPI_Request& request) {
     }
     return false;
 }
-
-}  // namespace
 
 MpiTool::MpiTool(int& argc, char**& argv) {
     hdf5_lock();  // HDF5 that finds MPI running hooks itself into its end, and crashes there after a full disk
@@ -37,7 +33,7 @@ int MpiTool::end(int status) {
     MPI_Iallreduce(&status, &highest, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD, &request);
     if (status == 0)
         MPI_Wait(&request, MPI_STATUS_IGNORE);
-    else if (!completes(request))
+    else if (!completes_soon(request))
         MPI_Abort(MPI_COMM_WORLD, status);
     MPI_Finalize();
     return highest;

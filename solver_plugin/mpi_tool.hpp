@@ -1,7 +1,12 @@
 #pragma once
+#include <mpi.h>
+
 #include "core/cli.hpp"
 
 namespace tomodem {
+
+/// How a process that failed waits for the others: whether the request completes within five seconds.
+bool completes_soon(MPI_Request& request);
 
 /// MPI of a tool, from its beginning to its end.
 class MpiTool {

@@ -2,20 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <time.h>
-
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 
 #include "core/error.hpp"
+#include "solver_plugin/mpi_tool.hpp"
 #include "solver_plugin/registration.hpp"
 
 namespace tomodem::plugin {
 namespace {
-
-/// How long a process that failed waits for the others to fail alike.
-constexpr int patience_hundredths = 500;
 
 /// For the agreement on failures alone: the others may be inside any other call.
 MPI_Comm failures = MPI_COMM_NULL;
@@ -32,15 +28,8 @@ std::string reason(const char* file, int line, const char* text) {
 bool all_failed() {
     if (failures == MPI_COMM_NULL) return false;
     MPI_Request request;
-    int arrived = 0;
     MPI_Ibarrier(failures, &request);
-    for (int waited = 0; waited < patience_hundredths; ++waited) {
-        MPI_Test(&request, &arrived, MPI_STATUS_IGNORE);
-        if (arrived) return true;
-        const timespec pause{0, 10'000'000};
-        nanosleep(&pause, nullptr);
-    }
-    return false;
+    return completes_soon(request);
 }
 
 }  // namespace

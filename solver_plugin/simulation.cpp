@@ -796,18 +796,11 @@ double Simulation::volume_per_particle() const {
 RowBlock Simulation::stress_rows() const {
     State& s = *state_;
     const LAMMPS_NS::Atom& atoms = s.atom();
-    const auto mine = static_cast<std::size_t>(atoms.nlocal), all = mine + static_cast<std::size_t>(atoms.nghost);
-    // The laws saw half-step velocities: ghosts still have them, the particles of this process got half a kick since.
-    std::vector<double> velocity(3 * all);
-    for (std::size_t i = 0; i < all; ++i)
-        for (int c = 0; c < 3; ++c) {
-            const double kick = i < mine ? 0.5 * s.model.time_step / atoms.rmass[i] * atoms.f[i][c] : 0.0;
-            velocity[3 * i + c] = atoms.v[i][c] - kick;
-        }
+    const auto mine = static_cast<std::size_t>(atoms.nlocal);
     constexpr int first[] = {0, 1, 2, 0, 0, 1}, second[] = {0, 1, 2, 1, 2, 2};
     const double over_volume = 1 / (volume_per_particle() * std::pow(s.scale, 3));
     std::vector<double> values(6 * mine);
-    s.pair->tell_forces(velocity.data(), [&](int i, int j, const double* force, const double* apart) {
+    s.pair->tell_forces([&](int i, int j, const double* force, const double* apart) {
         for (int k = 0; k < 6; ++k) {
             // From the centre to the contact it is half the way to the neighbour.
             const double part = -0.5 * force[first[k]] * apart[second[k]] * over_volume;
