@@ -277,7 +277,7 @@ void RunWriter::commit() {
     // A sidecar never stands beside a file it does not describe: the old one goes first, the new one comes last.
     remove_sidecar(state_->path);
     state_->output.commit();
-    write_sidecar(state_->packing, times, state_->path);
+    write_sidecar(state_->packing.size(), !state_->packing.object.empty(), times, state_->path);
 }
 
 void write_packing(const Packing& packing, const fs::path& path, const Provenance& provenance) {

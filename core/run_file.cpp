@@ -200,11 +200,12 @@ void remove_sidecar(const fs::path& run_file) {
     fs::remove(sidecar_path(run_file), ignored);
 }
 
-void write_sidecar(const Packing& packing, const std::vector<double>& times, const fs::path& run_file) {
+void write_sidecar(std::size_t particles, bool has_objects, const std::vector<double>& times,
+                   const fs::path& run_file) {
     write_text(sidecar_path(run_file), xdmf_text({.h5_name = run_file.filename().string(),
-                                                  .particles = packing.size(),
+                                                  .particles = particles,
                                                   .times = times,
-                                                  .has_objects = !packing.object.empty()}));
+                                                  .has_objects = has_objects}));
 }
 
 }  // namespace tomodem

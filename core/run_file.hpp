@@ -72,6 +72,7 @@ void require_sound_packing(const Packing& packing, const std::string& where);
 /// A sidecar never stands beside a file it does not describe: the old one goes first, the new one comes last.
 void remove_sidecar(const std::filesystem::path& run_file);
 /// Writes NAME.xdmf beside the run file NAME.h5.
-void write_sidecar(const Packing& packing, const std::vector<double>& times, const std::filesystem::path& run_file);
+void write_sidecar(std::size_t particles, bool has_objects, const std::vector<double>& times,
+                   const std::filesystem::path& run_file);
 
 }  // namespace tomodem

@@ -29,20 +29,21 @@ constexpr double plane_way_in_period_warned = 1;
 
 }  // namespace
 
-double reduced_energy(double kinetic, const Model& model, const Packing& sample) {
+double reduced_energy(const Simulation& simulation, double energy, const Model& model) {
     double stiffest = 0;
     for (const PhaseModel& phase : model.phases) stiffest = std::max(stiffest, phase.pair.repulsive_stiffness);
-    const double stiffness = stiffest * sample.seed_radius / model.seed_radius;
-    return kinetic / (static_cast<double>(sample.size()) * stiffness * sample.seed_radius * sample.seed_radius);
+    const double seed_radius = simulation.seed_radius();
+    const double stiffness = stiffest * seed_radius / model.seed_radius;
+    return energy / (static_cast<double>(simulation.initial_particles()) * stiffness * seed_radius * seed_radius);
 }
 
-void refuse_runaway(const Simulation& simulation, double kinetic_energy, const Model& model, const Packing& sample,
-                    const std::string& when) {
-    if (simulation.particles() != static_cast<std::int64_t>(sample.size()))
-        throw InvalidInput(fmt::format("{} particles were lost {} (step {}); take a smaller strain_per_step",
-                                       sample.size() - simulation.particles(), when, simulation.step()));
+void refuse_runaway(const Simulation& simulation, double kinetic_energy, const Model& model, const std::string& when) {
+    const std::int64_t lost = simulation.initial_particles() - simulation.particles();
+    if (lost != 0)
+        throw InvalidInput(fmt::format("{} particles were lost {} (step {}); take a smaller strain_per_step", lost,
+                                       when, simulation.step()));
     // A soft phase can fly apart with less than what a stiff one has at rest.
-    const double energy = std::max(reduced_energy(kinetic_energy, model, sample), simulation.hottest_phase());
+    const double energy = std::max(reduced_energy(simulation, kinetic_energy, model), simulation.hottest_phase());
     if (!(energy < runaway_energy))
         throw InvalidInput(fmt::format(
             "the packing falls apart {} (step {}): its kinetic energy is {:.2g} N k_rep r_s^2, above {:g}; take a "
@@ -50,14 +51,13 @@ void refuse_runaway(const Simulation& simulation, double kinetic_energy, const M
             when, simulation.step(), energy, runaway_energy));
 }
 
-void refuse_collapse(const Simulation& simulation, double elastic_energy, const Model& model, const Packing& sample,
-                     const std::string& when) {
+void refuse_collapse(const Simulation& simulation, double elastic_energy, const Model& model, const std::string& when) {
     if (const std::int64_t overrun = simulation.particles_behind_planes(); overrun > 0)
         throw InvalidInput(fmt::format(
             "the planes have run over {} particles {} (step {}): they are too fast for particles this heavy; take a "
             "lower rate or a shorter natural_period",
             overrun, when, simulation.step()));
-    const double energy = reduced_energy(elastic_energy, model, sample);
+    const double energy = reduced_energy(simulation, elastic_energy, model);
     if (!(energy < collapse_energy))
         throw InvalidInput(fmt::format(
             "the packing has collapsed {} (step {}): the elastic energy of its seeds is {:.2g} N k_rep r_s^2, above "

@@ -10,17 +10,17 @@
 namespace tomodem {
 
 /// Kinetic or elastic energy over N k_rep r_s^2, with the stiffest phase, in the sample's lengths.
-double reduced_energy(double energy, const Model& model, const Packing& sample);
+double reduced_energy(const plugin::Simulation& simulation, double energy, const Model& model);
 
 /// @param when  for the message
 /// @throws InvalidInput if particles are lost or the packing flies apart
 void refuse_runaway(const plugin::Simulation& simulation, double kinetic_energy, const Model& model,
-                    const Packing& sample, const std::string& when);
+                    const std::string& when);
 
 /// What only a run under load can do.
 /// @throws InvalidInput if planes have passed particles, or seeds overlap deeply
 void refuse_collapse(const plugin::Simulation& simulation, double elastic_energy, const Model& model,
-                     const Packing& sample, const std::string& when);
+                     const std::string& when);
 
 /// The planes must not jump over particles: warns, or throws InvalidInput.
 void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample);

@@ -81,12 +81,47 @@ void PairSearch::sort(const double* position, int local_count, int count, double
         cells_[axis] = std::max(1, static_cast<int>(extent / width));
         cells_per_length_[axis] = extent > 0 ? cells_[axis] / extent : 0.0;
     }
-    // Coordinates in single precision are off by some 1e-7 of the extent: none within reach may be missed.
-    const double extent = std::max({high[0] - low_[0], high[1] - low_[1], high[2] - low_[2]});
+    // Coordinates in single precision are off by some 1e-7 of the extent, and of the distance to the origin: none
+    // within reach may be missed.
+    double extent = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        extent = std::max({extent, high[axis] - low_[axis], std::abs(low_[axis]), std::abs(high[axis])});
     const double safe_reach = reach + 1e-6 * extent;
     reach_squared_ = static_cast<float>(safe_reach * safe_reach);
     place(position, 0, local_count, local_);
     place(position, local_count, count, ghosts_);
+    moved_.index.assign(lanes, 0);
+    for (auto& values : moved_.coordinate) values.assign(lanes, far_away);
+}
+
+void PairSearch::move(std::int32_t particle, const double* point) {
+    // In front of the far away ones at the end.
+    moved_.index.insert(moved_.index.end() - lanes, particle);
+    for (int axis = 0; axis < 3; ++axis) {
+        auto& values = moved_.coordinate[axis];
+        values.insert(values.end() - lanes, static_cast<float>(point[axis] - low_[axis]));
+    }
+}
+
+void PairSearch::find_around(const double* point, std::vector<std::int32_t>& found) const {
+    float at[3];
+    for (int axis = 0; axis < 3; ++axis) at[axis] = static_cast<float>(point[axis] - low_[axis]);
+    int count = 0;
+    const auto look = [&](const Sorted& particles, int begin, int end) {
+        found.resize(std::max(found.size(), static_cast<std::size_t>(count + end - begin + lanes)));
+        count = search({&particles, begin, end}, at, found.data(), count);
+    };
+    const int cell = cell_of(point);
+    const int x = cell % cells_[0], y = cell / cells_[0] % cells_[1], z = cell / cells_[0] / cells_[1];
+    for (int row_z = std::max(0, z - 1); row_z <= std::min(cells_[2] - 1, z + 1); ++row_z)
+        for (int row_y = std::max(0, y - 1); row_y <= std::min(cells_[1] - 1, y + 1); ++row_y) {
+            const int row = (row_z * cells_[1] + row_y) * cells_[0];
+            const int first = row + std::max(0, x - 1), behind = row + std::min(cells_[0] - 1, x + 1) + 1;
+            look(local_, local_.start[first], local_.start[behind]);
+            look(ghosts_, ghosts_.start[first], ghosts_.start[behind]);
+        }
+    look(moved_, 0, static_cast<int>(moved_.index.size()) - lanes);
+    found.resize(count);
 }
 
 void PairSearch::enter(int cell) {

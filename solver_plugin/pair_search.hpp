@@ -27,6 +27,11 @@ class PairSearch {
     /// For the entered cell.
     int most_found() const { return most_found_; }
 
+    /// Everything within reach of a point, ghosts included, where it was sorted or has moved to since; some twice.
+    void find_around(const double* point, std::vector<std::int32_t>& found) const;
+    /// A particle that is to be found at a new place, too.
+    void move(std::int32_t particle, const double* point);
+
  private:
     /// Particles sorted by cell, coordinate by coordinate, relative to the lowest corner, with far away ones at the
     /// end.
@@ -47,7 +52,7 @@ class PairSearch {
     double low_[3] = {}, cells_per_length_[3] = {};
     float reach_squared_ = 0;
     int cells_[3] = {};
-    Sorted local_, ghosts_;
+    Sorted local_, ghosts_, moved_;  // moved_ in the order of the moves
     std::vector<std::int32_t> cell_;
     Run runs_[16] = {};
     int run_count_ = 0, most_found_ = 0, own_end_ = 0;

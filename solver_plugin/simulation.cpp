@@ -73,6 +73,7 @@ struct Simulation::State {
     bool ready = false;                  ///< LIGGGHTS is set up for the present masses, planes and walls
     double sample_volume = 0;            ///< of the sample's box, in its own lengths
     std::int64_t builds_before = 0;      ///< neighbour builds before the last set-up
+    bool counting = false;               ///< there was a set-up
     std::vector<double> radius_factors;  ///< by row; empty: all 1
 
     State(const Packing& sample, const Model& model, int axis, MPI_Comm communicator)
@@ -263,16 +264,24 @@ struct Simulation::State {
         ready = false;
     }
 
+    /// LIGGGHTS counts from its last set-up on; before the first its number means nothing.
+    std::int64_t builds() { return builds_before + (counting ? session.lmp().neighbor->ncalls : 0); }
+
     void set_up_if_needed() {
         if (ready) return;
-        builds_before += session.lmp().neighbor->ncalls;
+        builds_before = builds();
+        counting = true;
         session.command("run 0 post no");
         ready = true;
     }
 
-    /// Deals `components` values of each local particle out to the processes that hold their rows.
-    RowBlock rows(int components, const std::vector<double>& local) {
-        LAMMPS_NS::Atom& atoms = atom();
+    /// Deals `components` values of each local particle out to the processes that hold their rows, some particles at a
+    /// time: a whole second copy would be the highest peak of memory.
+    /// @param value  (local particle, component)
+    template <class Value>
+    RowBlock rows(int components, Value value) {
+        constexpr int share = 1 << 16;  // particles of a process at a time
+        const LAMMPS_NS::Atom& atoms = atom();
         int processes = 1;
         MPI_Comm_size(communicator, &processes);
         std::vector<std::size_t> first(processes + 1);
@@ -281,30 +290,37 @@ struct Simulation::State {
             const auto row = static_cast<std::size_t>(tag - 1);
             return static_cast<int>(std::upper_bound(first.begin(), first.end(), row) - first.begin()) - 1;
         };
-        const int width = components + 1;  // with the tag, which a double holds exactly
-        std::vector<int> sizes(processes, 0), received(processes), from(processes, 0), to(processes, 0);
-        for (int i = 0; i < atoms.nlocal; ++i) sizes[owner(atoms.tag[i])] += width;
-        MPI_Alltoall(sizes.data(), 1, MPI_INT, received.data(), 1, MPI_INT, communicator);
-        for (int p = 1; p < processes; ++p) {
-            from[p] = from[p - 1] + sizes[p - 1];
-            to[p] = to[p - 1] + received[p - 1];
-        }
-        std::vector<double> out(static_cast<std::size_t>(width) * atoms.nlocal);
-        std::vector<double> in(static_cast<std::size_t>(to.back()) + received.back());
-        std::vector<int> next = from;
-        for (int i = 0; i < atoms.nlocal; ++i) {
-            double* const record = out.data() + next[owner(atoms.tag[i])];
-            next[owner(atoms.tag[i])] += width;
-            record[0] = atoms.tag[i];
-            std::copy_n(local.data() + static_cast<std::size_t>(components) * i, components, record + 1);
-        }
-        MPI_Alltoallv(out.data(), sizes.data(), from.data(), MPI_DOUBLE, in.data(), received.data(), to.data(),
-                      MPI_DOUBLE, communicator);
         RowBlock block{first[rank], components, {}};
         block.values.resize((first[rank + 1] - first[rank]) * components);
-        for (std::size_t k = 0; k < in.size(); k += width) {
-            const std::size_t row = static_cast<std::size_t>(in[k]) - 1 - first[rank];
-            std::copy_n(in.data() + k + 1, components, block.values.data() + row * components);
+        const int width = components + 1;  // with the tag, which a double holds exactly
+        const auto shares = static_cast<int>(std::ceil(largest(atoms.nlocal) / share));
+        std::vector<double> out, in;
+        std::vector<int> received(processes), from(processes + 1, 0), to(processes + 1, 0);
+        for (int number = 0; number < shares; ++number) {
+            const int begin = std::min(atoms.nlocal, number * share), end = std::min(atoms.nlocal, begin + share);
+            std::vector<int> sizes(processes, 0);
+            for (int i = begin; i < end; ++i) sizes[owner(atoms.tag[i])] += width;
+            MPI_Alltoall(sizes.data(), 1, MPI_INT, received.data(), 1, MPI_INT, communicator);
+            for (int p = 0; p < processes; ++p) {
+                from[p + 1] = from[p] + sizes[p];
+                to[p + 1] = to[p] + received[p];
+            }
+            out.resize(from.back());
+            in.resize(to.back());
+            std::vector<int> next = from;
+            for (int i = begin; i < end; ++i) {
+                int& at = next[owner(atoms.tag[i])];
+                out[at] = atoms.tag[i];
+                for (int component = 0; component < components; ++component)
+                    out[at + 1 + component] = value(i, component);
+                at += width;
+            }
+            MPI_Alltoallv(out.data(), sizes.data(), from.data(), MPI_DOUBLE, in.data(), received.data(), to.data(),
+                          MPI_DOUBLE, communicator);
+            for (std::size_t k = 0; k < in.size(); k += width) {
+                const std::size_t row = static_cast<std::size_t>(in[k]) - 1 - first[rank];
+                std::copy_n(in.data() + k + 1, components, block.values.data() + row * components);
+            }
         }
         return block;
     }
@@ -397,7 +413,6 @@ Simulation::Simulation(const Packing& sample, const Model& model, int load_axis,
     s.set_masses([](const PhaseModel& phase) { return phase.natural_period; });
 
     command(fmt::format("neighbor {:.17g} bin", skin_over_seed(model) * model.seed_radius));
-    command("neigh_modify delay 0 every 1 check yes");
     // Asked for by LIGGGHTS, read by no law of ours.
     std::string young = "peratomtype", poisson = "peratomtype";
     for (std::size_t k = 0; k < model.phases.size(); ++k) {
@@ -413,6 +428,12 @@ Simulation::Simulation(const Packing& sample, const Model& model, int load_axis,
     command("pair_coeff * *");
     command(fmt::format("timestep {:.17g}", model.time_step));
     command("fix integration all tomodem/integrate");
+    if (model.lateral != Lateral::free) {
+        command("neigh_modify delay 0 every 1 check yes");
+    } else {
+        command("neigh_modify delay 0 every 2000000000 check no");
+        command("fix rebuild all tomodem/rebuild");
+    }
     command("fix watch all tomodem/watch");
     s.watch = static_cast<FixWatch*>(s.session.lmp().modify->find_fix_id("watch"));
     command("thermo_style custom step atoms");
@@ -636,6 +657,14 @@ std::int64_t Simulation::particles() const {
     return std::llround(state_->total(state_->atom().nlocal));
 }
 
+std::int64_t Simulation::initial_particles() const {
+    return state_->count;
+}
+
+double Simulation::seed_radius() const {
+    return state_->model.seed_radius / state_->scale;
+}
+
 std::int64_t Simulation::particles_behind_planes() const {
     const State& s = *state_;
     if (s.planes == nullptr) return 0;
@@ -648,7 +677,7 @@ std::int64_t Simulation::particles_behind_planes() const {
 }
 
 std::int64_t Simulation::neighbour_builds() const {
-    return state_->builds_before + state_->session.lmp().neighbor->ncalls;
+    return state_->builds();
 }
 
 void Simulation::advise(const std::string& text) {
@@ -754,39 +783,24 @@ void Simulation::rest() {
 RowBlock Simulation::position_rows() const {
     State& s = *state_;
     const LAMMPS_NS::Atom& atoms = s.atom();
-    std::vector<double> values;
-    values.reserve(3 * static_cast<std::size_t>(atoms.nlocal));
-    for (int i = 0; i < atoms.nlocal; ++i) {
+    return s.rows(3, [&](int i, int component) {
         Vec3 unwrapped;
         s.session.lmp().domain->unmap(atoms.x[i], atoms.image[i], unwrapped.data());
-        const Vec3 point = s.centre + s.turned_back(unwrapped) / s.scale;
-        values.insert(values.end(), point.begin(), point.end());
-    }
-    return s.rows(3, values);
+        return s.centre[component] + s.turned_back(unwrapped)[component] / s.scale;
+    });
 }
 
 RowBlock Simulation::outward_rows() const {
     State& s = *state_;
-    std::vector<double> values;
-    for (int i = 0; i < s.atom().nlocal; ++i) {
-        Vec3 outward = Vec3::Zero();
-        if (s.contact != nullptr) outward = Vec3(s.contact->memory().outward()[i].data());
-        outward = s.turned_back(outward) / s.scale;
-        values.insert(values.end(), outward.begin(), outward.end());
-    }
-    return s.rows(3, values);
+    return s.rows(3, [&](int i, int component) {
+        return s.contact == nullptr ? 0.0
+                                    : s.turned_back(Vec3(s.contact->memory().outward()[i].data()))[component] / s.scale;
+    });
 }
 
 RowBlock Simulation::velocity_rows() const {
     State& s = *state_;
-    const LAMMPS_NS::Atom& atoms = s.atom();
-    std::vector<double> values;
-    values.reserve(3 * static_cast<std::size_t>(atoms.nlocal));
-    for (int i = 0; i < atoms.nlocal; ++i) {
-        const Vec3 velocity = s.turned_back(Vec3(atoms.v[i])) / s.scale;
-        values.insert(values.end(), velocity.begin(), velocity.end());
-    }
-    return s.rows(3, values);
+    return s.rows(3, [&](int i, int component) { return s.turned_back(Vec3(s.atom().v[i]))[component] / s.scale; });
 }
 
 double Simulation::volume_per_particle() const {
@@ -818,7 +832,7 @@ RowBlock Simulation::stress_rows() const {
                 values[6 * i + k];
         for (int k = 0; k < 6; ++k) values[6 * i + k] = turned[first[k]][second[k]];
     }
-    return s.rows(6, values);
+    return s.rows(6, [&](int i, int k) { return values[6 * static_cast<std::size_t>(i) + k]; });
 }
 
 std::vector<Vec3> Simulation::positions() const {

@@ -87,6 +87,8 @@ class Simulation {
     double hottest_phase() const;
     double initial_height() const;  ///< H0 [mm] of the sample's own lengths
     std::int64_t particles() const;
+    std::int64_t initial_particles() const;  ///< of the sample
+    double seed_radius() const;              ///< [mm] of the sample's own lengths
     /// Particles whose centre a plane has passed.
     std::int64_t particles_behind_planes() const;
     std::int64_t neighbour_builds() const;

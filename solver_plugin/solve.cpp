@@ -54,7 +54,7 @@ void tell(const Explanation& found) {
 
 void run(const Request& request) {
     const Scene scene = read_scene(request.scene);
-    const Packing sample = read_sample(request.sample);
+    Packing sample = read_sample(request.sample);
     if (request.explain) {
         tell(explain(sample, scene, MPI_COMM_WORLD));
         return;
@@ -68,7 +68,7 @@ void run(const Request& request) {
         cli::note(fmt::format("'{}' is complete: nothing to do", request.run.string()));
         return;
     }
-    const RunResult result = solve(sample, scene, request.run, provenance, MPI_COMM_WORLD, request.control);
+    const RunResult result = solve(std::move(sample), scene, request.run, provenance, MPI_COMM_WORLD, request.control);
     cli::report("particles", result.particles);
     cli::report("particles_lost", result.particles_lost);
     cli::report("time_step", result.time_step, "s");

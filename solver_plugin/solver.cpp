@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "core/cli.hpp"
 #include "core/error.hpp"
@@ -78,15 +79,14 @@ Simulation::Watch watching(Watch& watch, const Simulation& simulation) {
     return [&watch, &simulation] { return watch.next_piece(simulation.step()); };
 }
 
-void relax_inside(Simulation& simulation, const Model& model, const Packing& sample, double periods,
-                  const Simulation::Watch& watch = {}) {
+void relax_inside(Simulation& simulation, const Model& model, double periods, const Simulation::Watch& watch = {}) {
     const auto steps = static_cast<std::int64_t>(std::ceil(periods * law::least_steps_per_period));
     constexpr std::int64_t chunk = 50;
     cli::Progress progress("relaxing", static_cast<double>(steps));
     simulation.begin_relaxation();
     for (std::int64_t done = 0; done < steps; done += chunk) {
         simulation.run(std::min(chunk, steps - done), watch);
-        refuse_runaway(simulation, simulation.energies().kinetic, model, sample, "during relaxation");
+        refuse_runaway(simulation, simulation.energies().kinetic, model, "during relaxation");
         progress.update(static_cast<double>(done + chunk));
     }
 }
@@ -111,9 +111,9 @@ Inputs inputs_of(const Provenance& provenance) {
 /// A run between its first and its last point.
 class Pressing {
  public:
-    Pressing(const Packing& sample, const Scene& scene, const std::filesystem::path& run_file,
-             const Provenance& provenance, MPI_Comm communicator, const RunControl& control)
-        : sample_(sample),
+    Pressing(Packing sample, const Scene& scene, const std::filesystem::path& run_file, const Provenance& provenance,
+             MPI_Comm communicator, const RunControl& control)
+        : sample_(std::move(sample)),
           scene_(scene),
           communicator_(communicator),
           control_(control),
@@ -124,18 +124,19 @@ class Pressing {
           first_(first_process(communicator)),
           meter_(communicator),
           watch_(communicator),
-          model_(compile_model(scene, sample)),
+          model_(compile_model(scene, *sample_)),
           segments_(load_path(scene, model_.time_step)),
           plan_(plan_points(scene, segments_)) {
         if (run_file.extension() == ".xdmf")
             throw InvalidInput(fmt::format("cannot write '{}': name the HDF5 file (.h5), the .xdmf comes beside it",
                                            run_file.string()));
-        check_plane_speed(scene, model_, sample);
-        const Vec3 edges = sample.box.edges;
+        check_plane_speed(scene, model_, *sample_);
+        has_objects_ = !sample_->object.empty();
+        const Vec3 edges = sample_->box.edges;
         initial_section_ = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];
         if (scene.write_velocity) fields_.push_back(velocity_field);
         if (scene.self_contact) fields_.push_back(outward_field);
-        simulation_.emplace(sample, model_, scene.axis, communicator);
+        simulation_.emplace(*sample_, model_, scene.axis, communicator);
         if (scene.write_stress) {
             fields_.push_back(stress_field);
             fields_.back().attributes = {{"volume", simulation_->volume_per_particle()}};
@@ -201,15 +202,15 @@ class Pressing {
         });
         try {
             const auto watch = watching(watch_, simulation());
-            if (!sample_.relaxed) {
+            if (!sample_->relaxed) {
                 cli::note("the sample is not relaxed yet: relaxing it first");
-                relax_inside(simulation(), model_, sample_, default_relaxation_periods, watch);
+                relax_inside(simulation(), model_, default_relaxation_periods, watch);
                 simulation().end_relaxation();
             }
             if (!scene_.steps.empty()) simulation().place_planes();
             place_walls(simulation(), scene_, Room::checked);
             if (model_.trilin) {
-                relax_inside(simulation(), model_, sample_, seating_periods, watch);
+                relax_inside(simulation(), model_, seating_periods, watch);
                 simulation().end_relaxation();
             }
         } catch (const Stopped& stop) {
@@ -218,9 +219,8 @@ class Pressing {
         }
         start_ = simulation().step();
 
-        Packing pressed = sample_;
-        pressed.box.periodic = {false, false, false};
-        pressed.relaxed = true;
+        sample_->box.periodic = {false, false, false};
+        sample_->relaxed = true;
         RunShape shape;
         shape.frames = 1 + static_cast<std::size_t>(std::count_if(plan_.begin(), plan_.end(),
                                                                   [](const auto& point) { return point.frame; }));
@@ -229,12 +229,13 @@ class Pressing {
         for (const CurveValue& curve : curve_values(scene_, {}, no_wall_forces, {}))
             shape.curves.push_back({curve.name, curve.unit, plan_.size() + 1});
         together(communicator_, [&] {
-            if (first_) create_run_file(pressed, shape, provenance, partial_, run_file_);
+            if (first_) create_run_file(*sample_, shape, provenance, partial_, run_file_);
         });
+        sample_.reset();
         open();
         simulation().run(0);
         const plugin::Energies energies = simulation().energies();
-        refuse_collapse(simulation(), energies.seeds, model_, sample_, "at the start");
+        refuse_collapse(simulation(), energies.seeds, model_, "at the start");
         write_frame();
         write_point(0, measure(0, {}, initial_section_, initial_section_), no_wall_forces, energies);
         take_snapshot();
@@ -254,6 +255,7 @@ class Pressing {
             output_->keep();
         });
         kept_ = true;
+        sample_.reset();
         simulation().restore(found);
         place_walls(simulation(), scene_, Room::taken);
         next_ = static_cast<std::size_t>(checkpoint.number("next_point"));
@@ -302,10 +304,8 @@ class Pressing {
             simulation().run(steps, pieces);
         }
         const plugin::Energies energies = simulation().energies();
-        refuse_runaway(simulation(), energies.kinetic, model_, sample_,
-                       fmt::format("at strain {:.3f}", simulation().strain()));
-        refuse_collapse(simulation(), energies.seeds, model_, sample_,
-                        fmt::format("at strain {:.3f}", simulation().strain()));
+        refuse_runaway(simulation(), energies.kinetic, model_, fmt::format("at strain {:.3f}", simulation().strain()));
+        refuse_collapse(simulation(), energies.seeds, model_, fmt::format("at strain {:.3f}", simulation().strain()));
         window_.add({simulation().take_forces(), simulation().take_wall_forces(), steps});
         const Forces forces = window_.mean();
         const double strain = simulation().strain();
@@ -443,7 +443,7 @@ class Pressing {
         RunResult result;
         result.predicted_wall_seconds = predicted_wall_;
         result.time_step = model_.time_step;
-        result.particles = static_cast<std::int64_t>(sample_.size());
+        result.particles = simulation().initial_particles();
         result.final_strain = last_strain_;
         result.final_stress = last_stress_;
         result.mean_equilibrium_error = error_points_ > 0 ? error_sum_ / static_cast<double>(error_points_) : 0;
@@ -457,14 +457,15 @@ class Pressing {
                 if (point.frame) times.push_back(time(segment_start(point.segment) - start_ + point.to));
             remove_sidecar(run_file_);
             output_->commit();
-            write_sidecar(sample_, times, run_file_);
+            write_sidecar(static_cast<std::size_t>(simulation().initial_particles()), has_objects_, times, run_file_);
             std::error_code ignored;
             std::filesystem::remove(checkpoint_file_, ignored);
         });
         return result;
     }
 
-    const Packing& sample_;
+    std::optional<Packing> sample_;  ///< until the simulation and the run file have it
+    bool has_objects_ = false;
     const Scene& scene_;
     MPI_Comm communicator_;
     RunControl control_;
@@ -504,9 +505,9 @@ Relaxation relax(const Packing& sample, const Scene& scene, double periods, MPI_
     const Meter meter(communicator);
     const Model model = compile_model(scene, sample);
     Simulation simulation(sample, model, scene.axis, communicator);
-    relax_inside(simulation, model, sample, periods);
+    relax_inside(simulation, model, periods);
     Relaxation result;
-    result.residual_energy = reduced_energy(simulation.energies().kinetic, model, sample);
+    result.residual_energy = reduced_energy(simulation, simulation.energies().kinetic, model);
     result.sample = sample;
     result.sample.position = simulation.positions();
     for (int axis = 0; axis < 3; ++axis)
@@ -519,9 +520,9 @@ Relaxation relax(const Packing& sample, const Scene& scene, double periods, MPI_
     return result;
 }
 
-RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem::path& run_file,
-                const Provenance& provenance, MPI_Comm communicator, const RunControl& control) {
-    return Pressing(sample, scene, run_file, provenance, communicator, control).run();
+RunResult solve(Packing sample, const Scene& scene, const std::filesystem::path& run_file, const Provenance& provenance,
+                MPI_Comm communicator, const RunControl& control) {
+    return Pressing(std::move(sample), scene, run_file, provenance, communicator, control).run();
 }
 
 bool is_complete(const std::filesystem::path& run_file, const Provenance& provenance) {

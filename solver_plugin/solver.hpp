@@ -66,8 +66,9 @@ struct RunControl {
 ///
 /// @throws InvalidInput if the scene does not fit the sample, particles are lost, or the packing heats up and falls
 /// apart; if a signal stops it; if the checkpoint to go on from belongs to other inputs
-RunResult solve(const Packing& sample, const Scene& scene, const std::filesystem::path& run_file,
-                const Provenance& provenance, MPI_Comm communicator, const RunControl& control = {});
+/// @param sample  given away: its memory is free once the solver has the particles
+RunResult solve(Packing sample, const Scene& scene, const std::filesystem::path& run_file, const Provenance& provenance,
+                MPI_Comm communicator, const RunControl& control = {});
 
 /// Whether the run file is there already, complete, from the same inputs and version.
 bool is_complete(const std::filesystem::path& run_file, const Provenance& provenance);

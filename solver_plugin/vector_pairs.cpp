@@ -14,10 +14,9 @@ namespace tomodem::plugin {
 namespace {
 
 /// Blocks between a prefetch and its use: about one memory latency.
-constexpr std::size_t prefetch_distance = 24;
+constexpr std::size_t prefetch_distance = PairList::tail;
 
-constexpr int lanes = 4;
-constexpr unsigned all_lanes = 0b1111;
+constexpr int lanes = PairBlock::lanes;
 
 /// {sum(a), sum(b), sum(c), sum(d)}
 TOMODEM_AVX2 inline __m256d sums(__m256d a, __m256d b, __m256d c, __m256d d) {
@@ -41,6 +40,7 @@ bool VectorPairs::supported() {
 
 void VectorPairs::set_laws(const PairLaws& laws, double inner_skin) {
     type_count_ = laws.type_count;
+    list_.set_types(laws.type_count);
     inner_skin_ = inner_skin;
     dispersed_ = laws.dispersed;
     seed_to_crown_ = laws.seed_to_crown;
@@ -58,7 +58,9 @@ void VectorPairs::set_laws(const PairLaws& laws, double inner_skin) {
 
 void VectorPairs::integrate(const MovingView& particles, double kick, double drift) {
     if (rows_.size() < static_cast<std::size_t>(particles.count)) make_room(particles.count);
-    double farthest = 0;
+    const double limit = 0.25 * inner_skin_ * inner_skin_;
+    const float* const listed_at = list_.listed_at();
+    strayed_.clear();
     for (int i = 0; i < particles.count; ++i) {
         const double per_force = kick / particles.mass[i];
         double* const x = particles.position + 3 * static_cast<std::ptrdiff_t>(i);
@@ -70,98 +72,53 @@ void VectorPairs::integrate(const MovingView& particles, double kick, double dri
             x[c] += drift * v[c];
             rows_[i].position[c] = x[c];
             rows_[i].velocity[c] = v[c];
-            moved += (x[c] - listed_at_[3 * i + c]) * (x[c] - listed_at_[3 * i + c]);
+            moved += (x[c] - listed_at[3 * i + c]) * (x[c] - listed_at[3 * i + c]);
         }
-        farthest = std::max(farthest, moved);
+        if (moved > limit) strayed_.push_back(i);
     }
-    farthest_ = farthest;
     integrated_ = particles.count;
 }
 
 void VectorPairs::copy_particles(const ParticleView& particles, int first) {
+    const double limit = 0.25 * inner_skin_ * inner_skin_;
+    const float* const listed_at = list_.listed_at();
     for (int i = first; i < particles.count; ++i) {
         Row& row = rows_[i];
         double moved = 0;
         for (int c = 0; c < 3; ++c) {
             row.position[c] = particles.position[3 * i + c];
             row.velocity[c] = particles.velocity[3 * i + c];
-            const double step = row.position[c] - listed_at_[3 * i + c];
+            const double step = row.position[c] - listed_at[3 * i + c];
             moved += step * step;
         }
-        farthest_ = std::max(farthest_, moved);
+        if (moved > limit) strayed_.push_back(i);
     }
 }
 
-void VectorPairs::make_room(std::size_t count) {
+void VectorPairs::make_room(int count) {
     rows_.resize(count, Row{});
     forces_.resize(count, Force{});
-    listed_at_.resize(3 * count);
+    list_.make_room(count);
 }
 
-void VectorPairs::list_pairs(const ParticleView& particles, const ContactMemory* memory) {
-    ++listings_;
-    block_count_ = 0;
+/// @return whether every pair was listed anew
+bool VectorPairs::bring_up_to_date(const ParticleView& particles, const PairStep& step, const ContactMemory* memory) {
+    if (rows_.size() < static_cast<std::size_t>(particles.count)) make_room(particles.count);
+    if (step.renumbered || integrated_ == 0) {
+        integrated_ = 0;
+        strayed_.clear();
+    }
+    copy_particles(particles, integrated_);
+    integrated_ = 0;
+    if (!step.renumbered && (strayed_.empty() || list_.mend(particles, strayed_, memory))) return false;
     for (int i = 0; i < particles.count; ++i) rows_[i].velocity[3] = particles.radius[i];
     double crown = *std::max_element(crown_.begin(), crown_.end());
     if (dispersed_) crown = 2 * *std::max_element(particles.radius, particles.radius + particles.count);
-    search_.sort(particles.position, particles.local_count, particles.count, crown + inner_skin_);
-    by_object_ = particles.object != nullptr;
-    for (int cell = 0; cell < search_.cell_count(); ++cell) {
-        const int end = search_.first_slot(cell + 1);
-        if (search_.first_slot(cell) == end) continue;
-        search_.enter(cell);
-        found_.resize(std::max(found_.size(), static_cast<std::size_t>(search_.most_found())));
-        for (int slot = search_.first_slot(cell); slot < end; ++slot) {
-            const std::int32_t i = search_.particle(slot);
-            const int count = search_.find(slot, found_.data());
-            if (type_count_ == 1 && !by_object_)
-                add_blocks(i, 0, found_.data(), count, particles, memory);
-            else
-                sort_by_law(i, count, particles, memory);
-        }
-    }
-    blocks_.resize(std::max(blocks_.size(), block_count_ + prefetch_distance));
-    std::fill_n(blocks_.begin() + static_cast<std::ptrdiff_t>(block_count_), prefetch_distance, Block{});
-    std::copy_n(particles.position, 3 * static_cast<std::size_t>(particles.count), listed_at_.begin());
+    list_.make(particles, crown + inner_skin_, memory);
+    return true;
 }
 
-/// Neighbours of one particle, class by class.
-void VectorPairs::sort_by_law(std::int32_t i, int count, const ParticleView& particles, const ContactMemory* memory) {
-    const int kinds = (by_object_ ? 2 : 1) * type_count_;
-    const int room = count + lanes;
-    sorted_.resize(std::max(sorted_.size(), static_cast<std::size_t>(kinds) * room));
-    kept_.assign(kinds, 0);
-    const std::int32_t object = by_object_ ? particles.object[particles.id[i] - 1] : 0;
-    for (int k = 0; k < count; ++k) {
-        const std::int32_t j = found_[k];
-        int kind = particles.type[j] - 1;
-        if (by_object_ && particles.object[particles.id[j] - 1] != object) kind += type_count_;
-        sorted_[kind * room + kept_[kind]++] = j;
-    }
-    const int first_law = (particles.type[i] - 1) * type_count_;
-    for (int kind = 0; kind < kinds; ++kind) {
-        const int apart = kind >= type_count_ ? type_count_ * type_count_ : 0;
-        add_blocks(i, first_law + kind % type_count_ + apart, sorted_.data() + static_cast<std::ptrdiff_t>(kind) * room,
-                   kept_[kind], particles, memory);
-    }
-}
-
-/// @param found  with room for `lanes` more
-void VectorPairs::add_blocks(std::int32_t i, int law, std::int32_t* found, int count, const ParticleView& particles,
-                             const ContactMemory* memory) {
-    std::fill_n(found + count, lanes, i);
-    const std::size_t most = block_count_ + count / lanes + 1 + prefetch_distance;
-    if (blocks_.size() < most) blocks_.resize(most * 5 / 4);
-    for (int k = 0; k < count; k += lanes) {
-        Block& block = blocks_[block_count_++];
-        block = {i, static_cast<std::int16_t>(law), all_lanes, 0, {found[k], found[k + 1], found[k + 2], found[k + 3]}};
-        if (memory == nullptr || memory->interfaces(i).empty()) continue;
-        for (int lane = 0; lane < lanes; ++lane)
-            if (memory->is_interface(i, particles.id[block.neighbour[lane]])) block.interface |= 1U << lane;
-    }
-}
-
-void VectorPairs::change_state(Block& block, unsigned formed, unsigned left, const ParticleView& particles,
+void VectorPairs::change_state(PairBlock& block, unsigned formed, unsigned left, const ParticleView& particles,
                                const PairStep& step, ContactMemory& memory) const {
     for (int lane = 0; lane < lanes; ++lane) {
         const unsigned bit = 1U << lane;
@@ -205,8 +162,8 @@ TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const Pair
     const Row* const rows = rows_.data();
     Force* const forces = forces_.data();
     ContactMemory::Outward* const outward = remembers ? memory->next_outward().data() : nullptr;
-    Block* const end = blocks_.data() + block_count_;
-    for (Block* block = blocks_.data(); block < end; ++block) {
+    PairBlock* const end = list_.end();
+    for (PairBlock* block = list_.begin(); block < end; ++block) {
         for (int k = 0; k < lanes; ++k) {
             const std::int32_t later = block[prefetch_distance].neighbour[k];
             _mm_prefetch(reinterpret_cast<const char*>(rows + later), _MM_HINT_T0);
@@ -294,8 +251,7 @@ TOMODEM_AVX2 double VectorPairs::seed_energy(int local_count) const {
     const __m256d zero = _mm256_setzero_pd(), half = _mm256_set1_pd(0.5), one = _mm256_set1_pd(1);
     const __m128i first_ghost = _mm_set1_epi32(local_count);
     __m256d energy = zero;
-    for (std::size_t b = 0; b < block_count_; ++b) {
-        const Block& block = blocks_[b];
+    for (const PairBlock& block : list_) {
         const __m256d here = _mm256_load_pd(rows_[block.particle].position);
         __m256d squares[lanes];
         double seeds[lanes];
@@ -322,15 +278,8 @@ TOMODEM_AVX2 double VectorPairs::seed_energy(int local_count) const {
 
 void VectorPairs::add_forces(const ParticleView& particles, const PairStep& step, double* forces,
                              ContactMemory* memory) {
-    const auto count = static_cast<std::size_t>(particles.count);
-    if (rows_.size() < count) make_room(count);
-    if (step.renumbered) integrated_ = 0;
-    copy_particles(particles, integrated_);
-    const bool fresh = step.renumbered || farthest_ > 0.25 * inner_skin_ * inner_skin_;
-    integrated_ = 0;
-    farthest_ = 0;
-    if (fresh) list_pairs(particles, memory);
-    const bool several_laws = type_count_ > 1 || by_object_;
+    const bool fresh = bring_up_to_date(particles, step, memory);
+    const bool several_laws = type_count_ > 1 || list_.by_object();
     const unsigned features = several_laws * 1U + bounded_ * 2U + dispersed_ * 4U + (memory != nullptr) * 8U;
     static constexpr auto loops = []<unsigned... each>(std::integer_sequence<unsigned, each...>) {
         return std::array{&VectorPairs::compute<each>...};

@@ -5,39 +5,10 @@
 
 #include "core/law/pair.hpp"
 #include "solver_plugin/contact_memory.hpp"
-#include "solver_plugin/pair_search.hpp"
+#include "solver_plugin/pair_list.hpp"
+#include "solver_plugin/particle_view.hpp"
 
 namespace tomodem::plugin {
-
-/// What the pair loops read of a process' particles; ghosts follow the local ones. Arrays are not owned.
-struct ParticleView {
-    const double* position;  ///< 3 per particle
-    const double* velocity;  ///< 3 per particle, half a step old: x - time_step v is the position one step ago
-    const double* radius;    ///< of the crown
-    const int* type;         ///< from 1
-    const std::int32_t* id;
-    int local_count;
-    int count;                             ///< with ghosts
-    const std::int32_t* object = nullptr;  ///< by id - 1; null: attraction does not look at objects
-};
-
-/// Half neighbour list of the solver: pairs within crown and skin.
-struct NeighbourView {
-    int row_count;
-    const int* rows;
-    const int* lengths;  ///< by particle
-    const int* const* neighbours;
-    int index_mask;
-};
-
-/// What integration moves: the local particles. Arrays are not owned.
-struct MovingView {
-    double* position;     ///< 3 per particle
-    double* velocity;     ///< 3 per particle
-    const double* force;  ///< 3 per particle
-    const double* mass;
-    int count;
-};
 
 /// What a sample needs of the pair loop; each combination has a loop of its own.
 struct PairLaws {
@@ -57,9 +28,8 @@ struct PairStep {
 
 /// The pair laws on four pairs at once (AVX2), without branches, on a list of its own.
 ///
-/// The list (crown + an inner skin) is used until a particle has moved half of that skin. Positions and velocities are
-/// copied to one cache line a particle. Pairs are in blocks of one particle with four neighbours of one class (types,
-/// same or different object), filled up with the particle itself, at distance zero.
+/// The list (crown + an inner skin) is used until too many particles have moved half of that skin. Positions and
+/// velocities are copied to one cache line a particle.
 class VectorPairs {
  public:
     /// Whether this machine can run the kernel.
@@ -83,13 +53,13 @@ class VectorPairs {
     /// Calls use(i, j) for every listed pair.
     template <class Use>
     void for_each_pair(Use use) const {
-        for (std::size_t k = 0; k < block_count_; ++k)
-            for (const std::int32_t j : blocks_[k].neighbour)
-                if (j != blocks_[k].particle) use(blocks_[k].particle, j);
+        for (const PairBlock& block : list_)
+            for (const std::int32_t j : block.neighbour)
+                if (j != block.particle) use(block.particle, j);
     }
 
     /// How often the pairs were searched for.
-    std::int64_t listings() const { return listings_; }
+    std::int64_t listings() const { return list_.listings(); }
 
  private:
     struct alignas(64) Row {
@@ -99,47 +69,31 @@ class VectorPairs {
     struct alignas(32) Force {
         double component[4];
     };
-    struct Block {
-        std::int32_t particle;
-        std::int16_t law;
-        std::uint8_t inside;     // one bit a neighbour: in the crown one step ago
-        std::uint8_t interface;  // one bit a neighbour
-        std::int32_t neighbour[4];
-    };
     struct PairConstants {
         double seed_distance, crown_squared, repulsive_stiffness, attractive_stiffness, least_force;
         bool same_object;
     };
 
-    void make_room(std::size_t count);
+    void make_room(int count);
+    bool bring_up_to_date(const ParticleView& particles, const PairStep& step, const ContactMemory* memory);
     void copy_particles(const ParticleView& particles, int first);
-    void list_pairs(const ParticleView& particles, const ContactMemory* memory);
-    void sort_by_law(std::int32_t i, int count, const ParticleView& particles, const ContactMemory* memory);
-    void add_blocks(std::int32_t i, int law, std::int32_t* found, int count, const ParticleView& particles,
-                    const ContactMemory* memory);
-    void change_state(Block& block, unsigned formed, unsigned left, const ParticleView& particles, const PairStep& step,
-                      ContactMemory& memory) const;
+    void change_state(PairBlock& block, unsigned formed, unsigned left, const ParticleView& particles,
+                      const PairStep& step, ContactMemory& memory) const;
     /// One loop for each combination of several laws (1), bounded attraction (2), dispersed radii (4), memory (8).
     template <unsigned features>
     void compute(const ParticleView& particles, const PairStep& step, bool fresh, ContactMemory* memory);
 
     std::vector<PairConstants> constants_;  // of the pairs of types, then the same without attraction
     std::vector<double> crown_;
-    bool bounded_ = false, dispersed_ = false, by_object_ = false;
+    bool bounded_ = false, dispersed_ = false;
     double seed_to_crown_ = 0;
     int type_count_ = 0;
     double inner_skin_ = 0;
     std::vector<Row> rows_;
-    int integrated_ = 0;   // rows that integrate() has brought up to date
-    double farthest_ = 0;  // square of the longest way since the list was made
+    int integrated_ = 0;  // rows that integrate() has brought up to date
     std::vector<Force> forces_;
-    std::vector<double> listed_at_;
-    std::vector<Block> blocks_;
-    std::size_t block_count_ = 0;  // blocks_ has a tail of empty ones, so that prefetching needs no test
-    PairSearch search_;
-    std::vector<std::int32_t> found_, sorted_;
-    std::vector<int> kept_;
-    std::int64_t listings_ = 0;
+    PairList list_;
+    std::vector<std::int32_t> strayed_;  // moved by half the inner skin
 };
 
 }  // namespace tomodem::plugin

@@ -37,8 +37,14 @@ struct Cloud {
             id.push_back(k + 1);
         }
         std::shuffle(id.begin(), id.end(), random);
-        neighbours.resize(count);
-        lengths.resize(count);
+        list_pairs(reach);
+    }
+    void list_pairs(double reach) {
+        const auto count = static_cast<int>(type.size());
+        neighbours.assign(count, {});
+        lengths.assign(count, 0);
+        rows.clear();
+        first.clear();
         for (int i = 0; i < local; ++i) {
             rows.push_back(i);
             for (int j = i + 1; j < count; ++j)
@@ -84,9 +90,9 @@ PairLaws two_materials(bool bounded, bool dispersed = false) {
 
 constexpr PairStep first_step{.number = 0, .time_step = time_step, .renumbered = true, .set_up = true};
 
-std::vector<double> reference(const PairLaws& laws, const Cloud& cloud) {
+std::vector<double> reference(const PairLaws& laws, const Cloud& cloud, bool by_object = false) {
     std::vector<double> forces(3 * cloud.local, 0.0);
-    scalar_pairs(laws, cloud.particles(), cloud.list(), first_step, forces.data(), nullptr,
+    scalar_pairs(laws, cloud.particles(by_object), cloud.list(), first_step, forces.data(), nullptr,
                  [](int, int, const double*, const double*) {});
     return forces;
 }
@@ -138,7 +144,9 @@ TEST_P(EveryLoop, DoesWhatTheFormulasDoWhileParticlesMove) {
         most_interfaces = std::max(most_interfaces, interfaces);
     }
     EXPECT_GT(pairs.listings(), 3);
-    if (remembers) EXPECT_GT(most_interfaces, 50) << "the case shows nothing";
+    if (remembers) {
+        EXPECT_GT(most_interfaces, 50) << "the case shows nothing";
+    }
 }
 
 TEST(VectorPairs, ListAgainOnlyWhenAParticleHasMovedHalfTheInnerSkin) {
@@ -157,6 +165,28 @@ TEST(VectorPairs, ListAgainOnlyWhenAParticleHasMovedHalfTheInnerSkin) {
         EXPECT_EQ(pairs.listings(), listings);
         expect_equal(forces, reference(laws, cloud));
     }
+}
+
+TEST(VectorPairs, ListAFewThatStrayByThemselves) {
+    if (!VectorPairs::supported()) GTEST_SKIP() << "this machine has no AVX2";
+    Cloud cloud(600, 80, 0);
+    const PairLaws laws = two_materials(false);
+    VectorPairs pairs;
+    pairs.set_laws(laws, 0.1);
+    std::vector<double> forces(3 * cloud.local, 0.0);
+    pairs.add_forces(cloud.particles(true), first_step, forces.data());
+    // Some of this process, some ghosts; the first of them twice, into each other's reach and out of the old one's.
+    for (const auto& strayed : {std::vector{3, 40, 41, 517, 530, 599}, std::vector{3, 530, 200}}) {
+        for (const int i : strayed)
+            for (int c = 0; c < 3; ++c) cloud.position[3 * i + c] += 0.7 * (c - i % 2);
+        if (strayed.back() == 200)
+            for (int c = 0; c < 3; ++c) cloud.position[600 + c] = cloud.position[120 + c] + 0.4;  // beside particle 40
+        cloud.list_pairs(2.4);
+        forces.assign(forces.size(), 0.0);
+        pairs.add_forces(cloud.particles(true), {1, time_step, false, false}, forces.data());
+        expect_equal(forces, reference(laws, cloud, true));
+    }
+    EXPECT_EQ(pairs.listings(), 1);
 }
 
 TEST(VectorPairs, AddToWhatIsThere) {
