@@ -35,7 +35,7 @@ class CrownPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGra
     template <class Use>
     void for_each_pair(Use use) const {
         if (vectorised_) {
-            vector_pairs_.for_each_pair(use);
+            vector_pairs_.packed().list().for_each_pair(use);
             return;
         }
         const LAMMPS_NS::NeighList& list = *owner_->list;
@@ -44,7 +44,7 @@ class CrownPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGra
                 use(i, list.firstneigh[i][entry] & NEIGHMASK);
     }
     /// Null where the scalar loop runs.
-    VectorPairs* vector_pairs() { return vectorised_ ? &vector_pairs_ : nullptr; }
+    PackedParticles* packed() { return vectorised_ ? &vector_pairs_.packed() : nullptr; }
     /// Elastic energy of the overlapping seeds of this process' share of the pairs.
     double seed_energy();
     /// Sum over this process' share of the pairs of (f_x l_x + f_y l_y) / 2, l the vector between the centres: the

@@ -13,9 +13,9 @@ int FixIntegrate::setmask() {
 void FixIntegrate::initial_integrate(int) {
     const bool first = update->ntimestep == update->firststep + 1;
     const double kick = first ? 0.5 * update->dt : update->dt;
-    if (VectorPairs* const pairs = CrownPair::of(*lmp)->vector_pairs()) {
+    if (PackedParticles* const packed = CrownPair::of(*lmp)->packed()) {
         if (atom->nlocal > 0)
-            pairs->integrate({atom->x[0], atom->v[0], atom->f[0], atom->rmass, atom->nlocal}, kick, update->dt);
+            packed->integrate({atom->x[0], atom->v[0], atom->f[0], atom->rmass, atom->nlocal}, kick, update->dt);
         return;
     }
     for (int i = 0; i < atom->nlocal; ++i)

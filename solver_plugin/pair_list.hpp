@@ -52,6 +52,13 @@ class PairList {
     PairBlock* end() { return blocks_.data() + count_; }
     const PairBlock* begin() const { return blocks_.data(); }
     const PairBlock* end() const { return blocks_.data() + count_; }
+    /// Calls use(i, j) for every listed pair.
+    template <class Use>
+    void for_each_pair(Use use) const {
+        for (const PairBlock& block : *this)
+            for (const std::int32_t j : block.neighbour)
+                if (j != block.particle) use(block.particle, j);
+    }
     /// How often make() was called.
     std::int64_t listings() const { return listings_; }
 

@@ -40,8 +40,8 @@ bool VectorPairs::supported() {
 
 void VectorPairs::set_laws(const PairLaws& laws, double inner_skin) {
     type_count_ = laws.type_count;
-    list_.set_types(laws.type_count);
-    inner_skin_ = inner_skin;
+    packed_.set_types(laws.type_count);
+    packed_.set_inner_skin(inner_skin);
     dispersed_ = laws.dispersed;
     seed_to_crown_ = laws.seed_to_crown;
     constants_.clear();
@@ -56,68 +56,6 @@ void VectorPairs::set_laws(const PairLaws& laws, double inner_skin) {
         }
 }
 
-void VectorPairs::integrate(const MovingView& particles, double kick, double drift) {
-    if (rows_.size() < static_cast<std::size_t>(particles.count)) make_room(particles.count);
-    const double limit = 0.25 * inner_skin_ * inner_skin_;
-    const float* const listed_at = list_.listed_at();
-    strayed_.clear();
-    for (int i = 0; i < particles.count; ++i) {
-        const double per_force = kick / particles.mass[i];
-        double* const x = particles.position + 3 * static_cast<std::ptrdiff_t>(i);
-        double* const v = particles.velocity + 3 * static_cast<std::ptrdiff_t>(i);
-        const double* const f = particles.force + 3 * static_cast<std::ptrdiff_t>(i);
-        double moved = 0;
-        for (int c = 0; c < 3; ++c) {
-            v[c] += per_force * f[c];
-            x[c] += drift * v[c];
-            rows_[i].position[c] = x[c];
-            rows_[i].velocity[c] = v[c];
-            moved += (x[c] - listed_at[3 * i + c]) * (x[c] - listed_at[3 * i + c]);
-        }
-        if (moved > limit) strayed_.push_back(i);
-    }
-    integrated_ = particles.count;
-}
-
-void VectorPairs::copy_particles(const ParticleView& particles, int first) {
-    const double limit = 0.25 * inner_skin_ * inner_skin_;
-    const float* const listed_at = list_.listed_at();
-    for (int i = first; i < particles.count; ++i) {
-        Row& row = rows_[i];
-        double moved = 0;
-        for (int c = 0; c < 3; ++c) {
-            row.position[c] = particles.position[3 * i + c];
-            row.velocity[c] = particles.velocity[3 * i + c];
-            const double step = row.position[c] - listed_at[3 * i + c];
-            moved += step * step;
-        }
-        if (moved > limit) strayed_.push_back(i);
-    }
-}
-
-void VectorPairs::make_room(int count) {
-    rows_.resize(count, Row{});
-    forces_.resize(count, Force{});
-    list_.make_room(count);
-}
-
-/// @return whether every pair was listed anew
-bool VectorPairs::bring_up_to_date(const ParticleView& particles, const PairStep& step, const ContactMemory* memory) {
-    if (rows_.size() < static_cast<std::size_t>(particles.count)) make_room(particles.count);
-    if (step.renumbered || integrated_ == 0) {
-        integrated_ = 0;
-        strayed_.clear();
-    }
-    copy_particles(particles, integrated_);
-    integrated_ = 0;
-    if (!step.renumbered && (strayed_.empty() || list_.mend(particles, strayed_, memory))) return false;
-    for (int i = 0; i < particles.count; ++i) rows_[i].velocity[3] = particles.radius[i];
-    double crown = *std::max_element(crown_.begin(), crown_.end());
-    if (dispersed_) crown = 2 * *std::max_element(particles.radius, particles.radius + particles.count);
-    list_.make(particles, crown + inner_skin_, memory);
-    return true;
-}
-
 void VectorPairs::change_state(PairBlock& block, unsigned formed, unsigned left, const ParticleView& particles,
                                const PairStep& step, ContactMemory& memory) const {
     for (int lane = 0; lane < lanes; ++lane) {
@@ -125,7 +63,7 @@ void VectorPairs::change_state(PairBlock& block, unsigned formed, unsigned left,
         const int j = block.neighbour[lane];
         // Pairs of two objects never attract: there is nothing to decide.
         if ((formed & bit) != 0 && constants_[block.law].same_object) {
-            const Row &here = rows_[block.particle], &there = rows_[j];
+            const Row &here = packed_.rows()[block.particle], &there = packed_.rows()[j];
             const double line[3] = {there.position[0] - here.position[0], there.position[1] - here.position[1],
                                     there.position[2] - here.position[2]};
             if (memory.classify(block.particle, j, line, particles.id, step.number)) block.interface |= bit;
@@ -159,11 +97,11 @@ TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const Pair
     // The fourth component is a radius, which has no past. At the first step every pair was where it is.
     const double step_back = step.set_up ? 0.0 : step.time_step;
     const __m256d back = _mm256_setr_pd(step_back, step_back, step_back, 0);
-    const Row* const rows = rows_.data();
-    Force* const forces = forces_.data();
+    const Row* const rows = packed_.rows();
+    PackedParticles::Force* const forces = packed_.forces();
     ContactMemory::Outward* const outward = remembers ? memory->next_outward().data() : nullptr;
-    PairBlock* const end = list_.end();
-    for (PairBlock* block = list_.begin(); block < end; ++block) {
+    PairBlock* const end = packed_.list().end();
+    for (PairBlock* block = packed_.list().begin(); block < end; ++block) {
         for (int k = 0; k < lanes; ++k) {
             const std::int32_t later = block[prefetch_distance].neighbour[k];
             _mm_prefetch(reinterpret_cast<const char*>(rows + later), _MM_HINT_T0);
@@ -251,16 +189,17 @@ TOMODEM_AVX2 double VectorPairs::seed_energy(int local_count) const {
     const __m256d zero = _mm256_setzero_pd(), half = _mm256_set1_pd(0.5), one = _mm256_set1_pd(1);
     const __m128i first_ghost = _mm_set1_epi32(local_count);
     __m256d energy = zero;
-    for (const PairBlock& block : list_) {
-        const __m256d here = _mm256_load_pd(rows_[block.particle].position);
+    const Row* const rows = packed_.rows();
+    for (const PairBlock& block : packed_.list()) {
+        const __m256d here = _mm256_load_pd(rows[block.particle].position);
         __m256d squares[lanes];
         double seeds[lanes];
         for (int k = 0; k < lanes; ++k) {
-            const Row& other = rows_[block.neighbour[k]];
+            const Row& other = rows[block.neighbour[k]];
             const __m256d apart = _mm256_sub_pd(here, _mm256_load_pd(other.position));
             squares[k] = _mm256_mul_pd(apart, apart);
             const bool filling = block.neighbour[k] == block.particle;
-            seeds[k] = filling ? 0.0 : seed_to_crown_ * (rows_[block.particle].velocity[3] + other.velocity[3]);
+            seeds[k] = filling ? 0.0 : seed_to_crown_ * (rows[block.particle].velocity[3] + other.velocity[3]);
         }
         const __m256d distance = _mm256_sqrt_pd(sums(squares[0], squares[1], squares[2], squares[3]));
         const __m256d overlap = _mm256_max_pd(_mm256_sub_pd(_mm256_loadu_pd(seeds), distance), zero);
@@ -278,19 +217,17 @@ TOMODEM_AVX2 double VectorPairs::seed_energy(int local_count) const {
 
 void VectorPairs::add_forces(const ParticleView& particles, const PairStep& step, double* forces,
                              ContactMemory* memory) {
-    const bool fresh = bring_up_to_date(particles, step, memory);
-    const bool several_laws = type_count_ > 1 || list_.by_object();
+    double crown = *std::max_element(crown_.begin(), crown_.end());
+    if (dispersed_) crown = 2 * *std::max_element(particles.radius, particles.radius + particles.count);
+    const bool fresh = packed_.follow(particles, crown, step.renumbered, memory);
+    const bool several_laws = type_count_ > 1 || packed_.list().by_object();
     const unsigned features = several_laws * 1U + bounded_ * 2U + dispersed_ * 4U + (memory != nullptr) * 8U;
     static constexpr auto loops = []<unsigned... each>(std::integer_sequence<unsigned, each...>) {
         return std::array{&VectorPairs::compute<each>...};
     }
     (std::make_integer_sequence<unsigned, 16>());
     (this->*loops[features])(particles, step, fresh, memory);
-    for (int i = 0; i < particles.count; ++i) {
-        if (i < particles.local_count)
-            for (int c = 0; c < 3; ++c) forces[3 * i + c] += forces_[i].component[c];
-        forces_[i] = {};
-    }
+    packed_.give_forces(particles, forces);
 }
 
 }  // namespace tomodem::plugin

@@ -5,8 +5,7 @@
 
 #include "core/law/pair.hpp"
 #include "solver_plugin/contact_memory.hpp"
-#include "solver_plugin/pair_list.hpp"
-#include "solver_plugin/particle_view.hpp"
+#include "solver_plugin/packed_particles.hpp"
 
 namespace tomodem::plugin {
 
@@ -27,9 +26,6 @@ struct PairStep {
 };
 
 /// The pair laws on four pairs at once (AVX2), without branches, on a list of its own.
-///
-/// The list (crown + an inner skin) is used until too many particles have moved half of that skin. Positions and
-/// velocities are copied to one cache line a particle.
 class VectorPairs {
  public:
     /// Whether this machine can run the kernel.
@@ -37,9 +33,6 @@ class VectorPairs {
 
     /// @param inner_skin  added to the crowns when pairs are listed, in the lengths of the positions
     void set_laws(const PairLaws& laws, double inner_skin);
-
-    /// v += kick f / m, x += drift v; the next add_forces() finds the particles in its own rows.
-    void integrate(const MovingView& particles, double kick, double drift);
 
     /// Adds the forces of all pairs to those of the local particles.
     /// @param forces  3 per local particle
@@ -50,33 +43,16 @@ class VectorPairs {
     /// Elastic energy of the overlapping seeds at the last computed step; half of it for pairs with a ghost.
     double seed_energy(int local_count) const;
 
-    /// Calls use(i, j) for every listed pair.
-    template <class Use>
-    void for_each_pair(Use use) const {
-        for (const PairBlock& block : list_)
-            for (const std::int32_t j : block.neighbour)
-                if (j != block.particle) use(block.particle, j);
-    }
-
-    /// How often the pairs were searched for.
-    std::int64_t listings() const { return list_.listings(); }
+    PackedParticles& packed() { return packed_; }
+    const PackedParticles& packed() const { return packed_; }
 
  private:
-    struct alignas(64) Row {
-        double position[4];  // the fourth stays 0: it takes part in the sums
-        double velocity[4];  // the fourth is the radius of the crown: it meets that 0 in every product
-    };
-    struct alignas(32) Force {
-        double component[4];
-    };
+    using Row = PackedParticles::Row;
     struct PairConstants {
         double seed_distance, crown_squared, repulsive_stiffness, attractive_stiffness, least_force;
         bool same_object;
     };
 
-    void make_room(int count);
-    bool bring_up_to_date(const ParticleView& particles, const PairStep& step, const ContactMemory* memory);
-    void copy_particles(const ParticleView& particles, int first);
     void change_state(PairBlock& block, unsigned formed, unsigned left, const ParticleView& particles,
                       const PairStep& step, ContactMemory& memory) const;
     /// One loop for each combination of several laws (1), bounded attraction (2), dispersed radii (4), memory (8).
@@ -88,12 +64,7 @@ class VectorPairs {
     bool bounded_ = false, dispersed_ = false;
     double seed_to_crown_ = 0;
     int type_count_ = 0;
-    double inner_skin_ = 0;
-    std::vector<Row> rows_;
-    int integrated_ = 0;  // rows that integrate() has brought up to date
-    std::vector<Force> forces_;
-    PairList list_;
-    std::vector<std::int32_t> strayed_;  // moved by half the inner skin
+    PackedParticles packed_;
 };
 
 }  // namespace tomodem::plugin
