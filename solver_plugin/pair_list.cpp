@@ -1,6 +1,7 @@
 #include "solver_plugin/pair_list.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace tomodem::plugin {
 namespace {
@@ -10,6 +11,9 @@ namespace {
 constexpr double most_strayed = 0.02;
 
 constexpr int lanes = PairBlock::lanes;
+
+constexpr std::uint32_t waiting = 0x80000000;
+constexpr std::uint32_t no_link = 0x7FFFFFFF;
 
 std::uint64_t key(std::int32_t i, std::int32_t j) {
     return static_cast<std::uint64_t>(std::min(i, j)) << 32 | static_cast<std::uint32_t>(std::max(i, j));
@@ -23,7 +27,10 @@ void PairList::make(const ParticleView& particles, double reach, const ContactMe
     strayed_ = 0;
     added_.clear();
     by_object_ = particles.object != nullptr;
-    first_.resize(particles.local_count);
+    first_.assign(particles.local_count, waiting | no_link);
+    links_.clear();
+    free_link_ = no_link;
+    making_ = true;
     search_.sort(particles.position, particles.local_count, particles.count, reach);
     for (int cell = 0; cell < search_.cell_count(); ++cell) {
         const int end = search_.first_slot(cell + 1);
@@ -32,10 +39,18 @@ void PairList::make(const ParticleView& particles, double reach, const ContactMe
         found_.resize(std::max(found_.size(), static_cast<std::size_t>(search_.most_found())));
         for (int slot = search_.first_slot(cell); slot < end; ++slot) {
             const std::int32_t i = search_.particle(slot);
+            int count = search_.find(slot, found_.data());
+            for (std::uint32_t link = first_[i] & ~waiting; link != no_link;) {
+                if (static_cast<std::size_t>(count + 1 + lanes) > found_.size()) found_.resize(2 * found_.size());
+                found_[count++] = links_[link].neighbour;
+                const std::uint32_t taken = std::exchange(link, links_[link].before);
+                links_[taken].before = std::exchange(free_link_, taken);
+            }
             first_[i] = static_cast<std::uint32_t>(count_);
-            add(i, found_.data(), search_.find(slot, found_.data()), particles, memory);
+            add(i, found_.data(), count, particles, memory);
         }
     }
+    making_ = false;
     made_ = count_;
     close();
     for (std::size_t k = 0; k < 3 * static_cast<std::size_t>(particles.count); ++k)
@@ -119,6 +134,7 @@ void PairList::add(std::int32_t i, std::int32_t* found, int count, const Particl
 /// @param found  with room for `lanes` more
 void PairList::add_blocks(std::int32_t i, int law, std::int32_t* found, int count, const ParticleView& particles,
                           const ContactMemory* memory) {
+    if (making_) count = hand_on(i, found, count);
     std::fill_n(found + count, lanes, i);
     const std::size_t most = count_ + count / lanes + 1 + tail;
     if (blocks_.size() < most) blocks_.resize(most * 5 / 4);
@@ -133,6 +149,31 @@ void PairList::add_blocks(std::int32_t i, int law, std::int32_t* found, int coun
         for (int lane = 0; lane < lanes; ++lane)
             if (memory->is_interface(i, particles.id[block.neighbour[lane]])) block.interface |= 1U << lane;
     }
+}
+
+/// Leaves no block half empty: what is over goes to neighbours whose turn is still to come.
+/// @return how many stay
+int PairList::hand_on(std::int32_t i, std::int32_t* found, int count) {
+    const int over = count % lanes;
+    const auto can_take = [this](std::int32_t j) {
+        return static_cast<std::size_t>(j) < first_.size() && (first_[j] & waiting) != 0;
+    };
+    int taken = 0;
+    for (int k = count - 1; k >= 0 && taken < over; --k)
+        if (can_take(found[k])) std::swap(found[k], found[count - ++taken]);
+    if (taken < over) return count;
+    for (int k = count - over; k < count; ++k) {
+        std::uint32_t link = free_link_;
+        if (link == no_link) {
+            link = static_cast<std::uint32_t>(links_.size());
+            links_.emplace_back();
+        } else {
+            free_link_ = links_[link].before;
+        }
+        links_[link] = {i, first_[found[k]] & ~waiting};
+        first_[found[k]] = waiting | link;
+    }
+    return count - over;
 }
 
 void PairList::close() {

@@ -69,13 +69,23 @@ class PairList {
                     const ContactMemory* memory);
     void close();
     bool is_listed(std::int32_t i, std::int32_t j) const;
+    int hand_on(std::int32_t i, std::int32_t* found, int count);
 
     int type_count_ = 1;
     bool by_object_ = false;
     std::vector<float> listed_at_;
     std::vector<PairBlock> blocks_;  // with the tail behind count_
     std::size_t count_ = 0;
-    std::vector<std::uint32_t> first_;         // block of each local particle when the list was made
+    /// Block of each local particle when the list was made; while it is made, of those still to come: `waiting` and the
+    /// last link of the chain of neighbours that they take over.
+    std::vector<std::uint32_t> first_;
+    struct Link {
+        std::int32_t neighbour;
+        std::uint32_t before;
+    };
+    std::vector<Link> links_;
+    std::uint32_t free_link_ = 0;  // links that were taken over are used again
+    bool making_ = false;
     std::size_t made_ = 0;                     // blocks when the list was made
     std::unordered_set<std::uint64_t> added_;  // pairs since
     int strayed_ = 0;
