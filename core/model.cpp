@@ -9,6 +9,7 @@
 #include "core/error.hpp"
 #include "core/law/bilin_flow.hpp"
 #include "core/law/trilin_flow.hpp"
+#include "core/norton_model.hpp"
 
 namespace tomodem {
 namespace {
@@ -172,8 +173,9 @@ Model compile_model(const Scene& scene, const Packing& sample) {
     Model model;
     model.seed_radius = scene.seed_radius;
     model.crown_radius = scene.crown_radius;
+    const bool norton = scene.law() == Law::norton;
     double strain_per_step = scene.strain_per_step;
-    if (scene.equilibrium_error) strain_per_step = strain_per_step_for(scene, *scene.equilibrium_error);
+    if (scene.equilibrium_error && !norton) strain_per_step = strain_per_step_for(scene, *scene.equilibrium_error);
     double time_step = strain_per_step / scene.highest_rate();
     for (const Phase& phase : scene.phases)
         if (phase.natural_period)
@@ -190,6 +192,12 @@ Model compile_model(const Scene& scene, const Packing& sample) {
                         scene.path.string()));
     model.lateral = scene.lateral;
     if (model.lateral != Lateral::free) check_lateral_sides(scene, sample);
+    if (norton) {
+        for (std::int32_t label : present)
+            model.phases.push_back({label, {}, 0, 0, 0, scene.phase(label).hardening});
+        add_norton(scene, sample, model);
+        return model;
+    }
     model.time_step = scene.time_step.value_or(time_step);
     for (std::int32_t label : present)
         model.phases.push_back(compile_phase(scene, scene.phase(label), model.time_step));

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/law/norton_law.hpp"
 #include "core/law/pair.hpp"
 #include "core/packing.hpp"
 #include "core/scene.hpp"
@@ -27,18 +28,23 @@ struct Model {
     double time_step;                ///< s
     std::vector<PhaseModel> phases;  ///< those that the sample contains, in the order of their labels
     bool trilin = false;             ///< bounded attraction
-    double radius_dispersion = 0;    ///< standard deviation over the mean
-    bool between_objects = false;    ///< attraction only within an object
+    /// NORTON's law; the pairs of the phases say stiffness and period of its cores.
+    std::optional<law::Norton> norton = {};
+    double radius_dispersion = 0;  ///< standard deviation over the mean
+    bool between_objects = false;  ///< attraction only within an object
     bool self_contact = false;
     Lateral lateral = Lateral::free;  ///< periodic sides have the edges of the sample's box
     double healing_time = std::numeric_limits<double>::infinity();  ///< s
+
+    /// Planes that pull must find particles to hold: faces are placed by layers, and the sample rests between them.
+    bool planes_hold() const { return trilin || norton.has_value(); }
 };
 
 /// Chooses the time step and the constants of every phase that occurs in the sample.
 ///
 /// A BILIN phase given by norton gets, at the scene's highest rate, the flow stress K rate^M and the chi of that M; on
 /// the rate-insensitive plateau the natural period is the shortest stable one. A TRILIN phase gets the calibrated
-/// constants of that law, at ten steps a natural period.
+/// constants of that law, at ten steps a natural period. NORTON's are those of norton_model().
 ///
 /// @throws InvalidInput: a label that the scene does not name, a phase without particles, M out of reach, a time step
 ///         too long for a natural period (unstable), objects asked for that the sample does not tell apart,

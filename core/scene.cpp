@@ -162,8 +162,10 @@ Hardening read_hardening(TableReader reader) {
 Law read_law(TableReader& reader) {
     const toml::node& law = reader.get("law");
     const std::string name = *reader.text("law");
-    if (name != "bilin" && name != "trilin") reader.fail(law, "law must be \"bilin\" or \"trilin\"");
-    return name == "bilin" ? Law::bilin : Law::trilin;
+    if (name == "bilin") return Law::bilin;
+    if (name == "trilin") return Law::trilin;
+    if (name == "norton") return Law::norton;
+    reader.fail(law, "law must be \"bilin\", \"trilin\" or \"norton\"");
 }
 
 Phase read_phase(const std::string& name, TableReader reader) {
@@ -177,10 +179,17 @@ Phase read_phase(const std::string& name, TableReader reader) {
         phase.norton = read_norton(*norton);
     phase.repulsive_stiffness = reader.positive("repulsive_stiffness", units::stiffness);
     phase.natural_period = reader.positive("natural_period", units::time);
-    const double usual_ratio = phase.law == Law::bilin ? phase.stiffness_ratio : law::trilin_stiffness_ratio;
+    if (phase.law == Law::norton)
+        for (const char* key : {"repulsive_stiffness", "natural_period", "stiffness_ratio", "greatest_attraction"})
+            if (const toml::node* node = reader.find(key))
+                reader.fail(*node,
+                            fmt::format("{} belongs to the other laws: norton = {{ K = .., M = .. }} is all that "
+                                        "law \"norton\" takes",
+                                        key));
+    const double usual_ratio = phase.law == Law::trilin ? law::trilin_stiffness_ratio : phase.stiffness_ratio;
     phase.stiffness_ratio = reader.positive("stiffness_ratio").value_or(usual_ratio);
     phase.greatest_attraction = reader.positive("greatest_attraction", units::force);
-    if (phase.greatest_attraction && phase.law == Law::bilin)
+    if (phase.greatest_attraction && phase.law != Law::trilin)
         reader.fail(*reader.find("greatest_attraction"), "greatest_attraction belongs to law \"trilin\"");
     if (phase.greatest_attraction && phase.norton)
         reader.fail(*reader.find("greatest_attraction"),
@@ -376,11 +385,16 @@ void read_accuracy(TableReader reader, Scene& scene) {
     scene.equilibrium_error = reader.positive("equilibrium_error");
     if (scene.equilibrium_error) {
         const toml::node& node = *reader.find("equilibrium_error");
-        if (scene.law() != Law::bilin)
-            reader.fail(node, "equilibrium_error is known beforehand for law \"bilin\" only; choose strain_per_step");
+        if (scene.law() == Law::trilin)
+            reader.fail(node, "equilibrium_error is not known beforehand for law \"trilin\"; choose strain_per_step");
         if (scene.time_step || reader.find("strain_per_step") != nullptr)
             reader.fail(node, "equilibrium_error chooses the time step: remove time_step and strain_per_step");
     }
+    if (const toml::node* node = reader.find("strain_per_step"); node != nullptr && scene.law() == Law::norton)
+        reader.fail(*node, "law \"norton\" chooses the time step by equilibrium_error; give that, or time_step");
+    scene.reference_rate = reader.positive("reference_rate", units::rate);
+    if (scene.reference_rate && scene.law() != Law::norton)
+        reader.fail(*reader.find("reference_rate"), "reference_rate belongs to law \"norton\"");
     scene.averaging_strain = reader.positive("averaging_strain").value_or(scene.averaging_strain);
     scene.frames = reader.integer("frames", 1).value_or(scene.frames);
     reader.refuse_unknown();
@@ -452,6 +466,12 @@ double Scene::highest_rate() const {
     return highest;
 }
 
+double Scene::lowest_rate() const {
+    double lowest = highest_rate();
+    for (const LoadStep& step : steps) lowest = std::min(lowest, step.rate.front());
+    return lowest;
+}
+
 double Scene::path_length() const {
     double length = duration ? *duration * *nominal_rate : 0, reached = 0;
     for (const LoadStep& step : steps) {
@@ -500,9 +520,13 @@ Scene parse_scene(const std::string& text, const std::string& name) {
                                     phase.name, scene.phases.front().name));
         scene.phases.push_back(phase);
     }
-    const double crown_over_seed = scene.law() == Law::bilin ? 1.5 : law::trilin_crown_over_seed;
+    const double crown_over_seed = scene.law() == Law::trilin ? law::trilin_crown_over_seed : 1.5;
+    if (scene.law() == Law::norton && crown && std::abs(*crown / scene.seed_radius - 1.5) > 1e-9)
+        reader.fail(*reader.find("crown_radius"), "law \"norton\" is made for a crown_radius of 1.5 seed radii");
+    if (scene.law() == Law::norton && scene.radius_dispersion > 0)
+        reader.fail(*reader.find("radius_dispersion"), "law \"norton\" is made for equal radii");
     scene.crown_radius = crown.value_or(crown_over_seed * scene.seed_radius);
-    scene.strain_per_step = scene.law() == Law::bilin ? 5e-6 : 1e-4;
+    scene.strain_per_step = scene.law() == Law::trilin ? 1e-4 : 5e-6;
 
     if (auto contact = reader.table("contact", "[contact]")) read_contact(*contact, scene);
     if (const toml::node* walls = reader.find("wall")) scene.walls = read_walls(*walls, reader, name);

@@ -17,7 +17,7 @@ struct Norton {
     double stress(double rate) const;  ///< [MPa] at a strain rate [1/s]
 };
 
-enum class Law { bilin, trilin };
+enum class Law { bilin, trilin, norton };
 
 /// Change of a material's strength in time: flow stress over the one at the start of the calibration.
 ///
@@ -98,7 +98,8 @@ struct Scene {
 
     std::optional<double> time_step;  ///< s; chosen from strain_per_step when not given
     double strain_per_step = 5e-6;    ///< largest strain in one time step [-]: the knob of speed against inertia
-    std::optional<double> equilibrium_error;  ///< bound that chooses strain_per_step instead (BILIN) [-]
+    std::optional<double> equilibrium_error;  ///< bound that chooses the time step instead (BILIN, NORTON) [-]
+    std::optional<double> reference_rate;     ///< 1/s, of NORTON's elastic parts; the highest rate when not given
     double averaging_strain = 0.01;           ///< window of the forces [-]
     std::int64_t frames = 30;                 ///< frames after the initial one, equally spaced in strain
 
@@ -108,6 +109,8 @@ struct Scene {
     Law law() const { return phases.front().law; }
     const Phase& phase(std::int32_t label) const;  ///< @throws InvalidInput if no phase has it
     double highest_rate() const;
+    /// The lowest of the steps' rates, where they begin.
+    double lowest_rate() const;
     /// Sum of |change of strain| over the steps; nominal rate times duration where there are none.
     double path_length() const;
 };

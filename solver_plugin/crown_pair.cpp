@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "solver_plugin/fix_contact.hpp"
+#include "solver_plugin/fix_norton.hpp"
 #include "solver_plugin/registration.hpp"
 #include "solver_plugin/scalar_pairs.hpp"
 
@@ -57,16 +58,25 @@ void CrownPair::use(const PairLaws& laws) {
     given_ = new_laws_ = true;
 }
 
+void CrownPair::use(const law::Norton& law) {
+    if (!VectorPairs::supported())
+        error->all(FLERR, "law norton needs a processor with AVX2 and FMA, as x86-64 ones have since 2013");
+    norton_pairs_.set_law(law, inner_skin(false, law::NortonConstants::crown * law.seed_diameter));
+    norton_ = given_ = true;
+}
+
 void CrownPair::init_granular() {
     if (force->newton_pair) error->all(FLERR, "models bilin and trilin need 'newton off'");
     if (!given_) properties_.connect(force->registry, trilin_, trilin_ ? "model trilin" : "model bilin");
     const int fix = modify->find_fix("contact");
-    vectorised_ = VectorPairs::supported() && !scalar_asked_for();
+    vectorised_ = VectorPairs::supported() && (norton_ || !scalar_asked_for());
     // What the scene's loop looks for itself, LIGGGHTS need not.
     if (vectorised_ && given_)
         for (int k = 0; k < neighbor->nrequest; ++k)
             if (neighbor->requests[k]->requestor == owner_) neighbor->requests[k]->occasional = 1;
     contact_ = fix < 0 ? nullptr : dynamic_cast<FixContact*>(modify->fix[fix]);
+    const int states = modify->find_fix("norton");
+    norton_states_ = states < 0 ? nullptr : dynamic_cast<FixNorton*>(modify->fix[states]);
 }
 
 int64_t CrownPair::hashcode() {
@@ -118,7 +128,8 @@ void CrownPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, 
         pair->ev_setup(energy_flag, virial_flag);
     else
         pair->evflag = pair->vflag_fdotr = 0;
-    if (atom->nlocal + atom->nghost == 0) return;
+    // The exchange of NORTON's states is for all processes.
+    if (atom->nlocal + atom->nghost == 0 && !norton_) return;
     PairStep step;
     step.number = update->ntimestep;
     step.time_step = update->dt;
@@ -128,7 +139,9 @@ void CrownPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, 
     ContactMemory* const memory = contact_ == nullptr ? nullptr : &contact_->memory();
     if (memory != nullptr) step.renumbered = contact_->begin_step() || step.renumbered;
 
-    if (vectorised_ && (given_ || !pair->evflag)) {
+    if (norton_) {
+        norton_pairs_.add_forces(particles(), step, atom->f[0], memory, [this] { norton_states_->exchange(); });
+    } else if (vectorised_ && (given_ || !pair->evflag)) {
         if (new_laws_) {
             double crown = 0;
             for (const law::Pair& law : laws_.of_types) crown = std::max(crown, law.crown_distance);
@@ -158,17 +171,21 @@ double CrownPair::lateral_virial() {
 }
 
 double CrownPair::seed_energy() {
-    if (vectorised_) return vector_pairs_.seed_energy(atom->nlocal);
+    if (vectorised_ && !norton_) return vector_pairs_.seed_energy(atom->nlocal);
     double energy = 0;
     for_each_pair([&](int i, int j) {
         double squared = 0;
         for (int axis = 0; axis < 3; ++axis) squared += std::pow(atom->x[i][axis] - atom->x[j][axis], 2);
-        const double seeds = (atom->radius[i] + atom->radius[j]) * laws_.seed_to_crown;
+        const double seeds = norton_ ? law::NortonConstants::core * norton_pairs_.law().seed_diameter
+                                     : (atom->radius[i] + atom->radius[j]) * laws_.seed_to_crown;
         if (squared >= seeds * seeds) return;
-        const law::Pair& law = laws_.of_types[(atom->type[i] - 1) * laws_.type_count + atom->type[j] - 1];
+        const double stiffness =
+            norton_ ? law::NortonConstants::core_stiffness * norton_pairs_.law().seed_diameter *
+                          (norton_pairs_.state(i).strength() + norton_pairs_.state(j).strength()) / 2
+                    : laws_.of_types[(atom->type[i] - 1) * laws_.type_count + atom->type[j] - 1].repulsive_stiffness;
         // A pair across a process boundary is seen from both sides.
         const double share = j < atom->nlocal ? 1.0 : 0.5;
-        energy += share * 0.5 * law.repulsive_stiffness * std::pow(seeds - std::sqrt(squared), 2);
+        energy += share * 0.5 * stiffness * std::pow(seeds - std::sqrt(squared), 2);
     });
     return energy;
 }
@@ -182,6 +199,23 @@ void CrownPair::tell_forces(const std::function<void(int, int, const double*, co
             velocity[3 * i + c] = atom->v[i][c] - kick;
         }
     const ContactMemory* const memory = contact_ == nullptr ? nullptr : &contact_->memory();
+    if (norton_) {
+        const ParticleView view = particles();
+        const double reach = law::NortonConstants::crown * norton_pairs_.law().seed_diameter;
+        for_each_pair([&](int i, int j) {
+            double apart[3], speed[3], squared = 0, force[3];
+            for (int c = 0; c < 3; ++c) {
+                apart[c] = atom->x[i][c] - atom->x[j][c];
+                speed[c] = velocity[3 * i + c] - velocity[3 * j + c];
+                squared += apart[c] * apart[c];
+            }
+            if (squared > reach * reach) return;
+            law::norton_force(norton_pairs_.law(), norton_pairs_.state(i), norton_pairs_.state(j), apart, speed,
+                              norton_pairs_.bonded(view, i, j, memory), force);
+            tell(i, j, force, apart);
+        });
+        return;
+    }
     for_each_pair([&](int i, int j) {
         law::Pair law = laws_.of_types[(atom->type[i] - 1) * laws_.type_count + atom->type[j] - 1];
         if (laws_.dispersed) {

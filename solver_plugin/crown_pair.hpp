@@ -1,16 +1,19 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "solver_plugin/liggghts.hpp"
 // behind the headers of LIGGGHTS
 #include "solver_plugin/crown_properties.hpp"
+#include "solver_plugin/norton_pairs.hpp"
 #include "solver_plugin/vector_pairs.hpp"
 
 namespace tomodem::plugin {
 
 class FixContact;
+class FixNorton;
 
 /// `pair_style gran model bilin|trilin tangential off`: forces between particles, from LIGGGHTS' neighbour list on.
 ///
@@ -28,14 +31,16 @@ class CrownPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGra
 
     /// Takes the constants from here instead of `fix property/global`. May be called between any two runs.
     void use(const PairLaws& laws);
+    /// NORTON instead of BILIN or TRILIN.
+    void use(const law::Norton& law);
     /// Attraction only within an object: number of each particle by id - 1, kept by the caller; null: everywhere.
     void tell_objects_apart(const std::int32_t* object) { object_ = object; }
     /// Calls use(i, j) for every pair that may be in the crown: those of two particles of this process once, those
     /// with a ghost with i of this process. Between runs, or in a step after the forces.
     template <class Use>
     void for_each_pair(Use use) const {
-        if (vectorised_) {
-            vector_pairs_.packed().list().for_each_pair(use);
+        if (const PackedParticles* const particles = packed()) {
+            particles->list().for_each_pair(use);
             return;
         }
         const LAMMPS_NS::NeighList& list = *owner_->list;
@@ -44,7 +49,13 @@ class CrownPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGra
                 use(i, list.firstneigh[i][entry] & NEIGHMASK);
     }
     /// Null where the scalar loop runs.
-    PackedParticles* packed() { return vectorised_ ? &vector_pairs_.packed() : nullptr; }
+    PackedParticles* packed() { return const_cast<PackedParticles*>(std::as_const(*this).packed()); }
+    const PackedParticles* packed() const {
+        if (norton_) return &norton_pairs_.packed();
+        return vectorised_ ? &vector_pairs_.packed() : nullptr;
+    }
+    /// Null where the law is another.
+    NortonPairs* norton() { return norton_ ? &norton_pairs_ : nullptr; }
     /// Elastic energy of the overlapping seeds of this process' share of the pairs.
     double seed_energy();
     /// Sum over this process' share of the pairs of (f_x l_x + f_y l_y) / 2, l the vector between the centres: the
@@ -79,6 +90,9 @@ class CrownPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGra
     const std::int32_t* object_ = nullptr;
     FixContact* contact_ = nullptr;
     VectorPairs vector_pairs_;
+    bool norton_ = false;
+    NortonPairs norton_pairs_;
+    FixNorton* norton_states_ = nullptr;
 };
 
 }  // namespace tomodem::plugin

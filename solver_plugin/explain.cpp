@@ -8,6 +8,7 @@
 
 #include "core/law/bilin_flow.hpp"
 #include "core/load_path.hpp"
+#include "core/norton_model.hpp"
 #include "solver_plugin/guards.hpp"
 #include "solver_plugin/meter.hpp"
 #include "solver_plugin/scene_walls.hpp"
@@ -30,7 +31,8 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
     const auto add = [&](const char* name, bool on, const std::string& why_on, const std::string& why_off) {
         list.push_back({name, on, on ? why_on : why_off});
     };
-    add("bounded_attraction", model.trilin, "law \"trilin\"", "law \"bilin\"");
+    add("viscous_flow_and_pressure_of_the_density", model.norton.has_value(), "law \"norton\"", "another law");
+    add("bounded_attraction", model.trilin, "law \"trilin\"", "another law");
     add("several_laws", model.phases.size() > 1 || model.between_objects,
         model.phases.size() > 1 ? fmt::format("{} phases, mixed pairs take the averages", model.phases.size())
                                 : "one phase of several objects",
@@ -50,8 +52,8 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
         "free sides: no ghosts but those of processes");
     add("flow_initiation", scene.initiation.has_value(), "initiation in [load]", "full rate from the first step");
     add("relaxation_first", !sample.relaxed, "the sample is not relaxed", "the sample is relaxed");
-    add("rest_between_the_planes", model.trilin, "planes of law \"trilin\" pull",
-        "planes of law \"bilin\" do not pull at rest");
+    add("rest_between_the_planes", model.planes_hold(), "planes of this law pull",
+        "planes of this law do not pull at rest");
     add("velocities_in_frames", scene.write_velocity, "velocity = true in [output]", "not asked for");
     add("stresses_in_frames", scene.write_stress, "stress = true in [output]", "not asked for");
     add("rotations_torques_friction", false, "", "the method has none");
@@ -84,10 +86,11 @@ Explanation explain(const Packing& sample, const Scene& scene, MPI_Comm communic
     found.ingredients = ingredients_of(scene, sample, model);
     found.particles = static_cast<std::int64_t>(sample.size());
     found.time_step = model.time_step;
-    found.time_step_reason = time_step_reason(scene, model);
+    found.time_step_reason =
+        model.norton ? norton_time_step_reason(scene, sample, model) : time_step_reason(scene, model);
     for (const LoadSegment& segment : path) found.steps += segment.steps;
-    if (!sample.relaxed) found.steps += std::llround(default_relaxation_periods * law::least_steps_per_period);
-    if (model.trilin) found.steps += std::llround(seating_periods * law::least_steps_per_period);
+    if (!sample.relaxed) found.steps += relaxation_steps(model, default_relaxation_periods);
+    if (model.planes_hold()) found.steps += relaxation_steps(model, seating_periods);
 
     plugin::Simulation simulation(sample, model, scene.axis, communicator);
     if (!scene.steps.empty()) simulation.place_planes();

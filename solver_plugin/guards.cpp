@@ -20,6 +20,9 @@ constexpr double runaway_energy = 0.05;
 /// the upper end of BILIN's rate sensitivity (chi = 41) it is 0.02.
 constexpr double collapse_energy = 0.2;
 
+/// Kinetic energy over that of the flow, NORTON; a sound run has 1.0 to 1.2, with stray particles up to 2.
+constexpr double greatest_heat = 10;
+
 /// Way of a plane in one time step over the crown radius: a particle must see a plane come (thesis: at most a tenth).
 constexpr double plane_way_refused = 0.5;
 constexpr double plane_way_warned = 0.1;
@@ -49,6 +52,16 @@ void refuse_runaway(const Simulation& simulation, double kinetic_energy, const M
             "the packing falls apart {} (step {}): its kinetic energy is {:.2g} N k_rep r_s^2, above {:g}; take a "
             "lower rate, a smaller strain_per_step, or a shorter natural_period",
             when, simulation.step(), energy, runaway_energy));
+}
+
+void refuse_heat(const Simulation& simulation, double kinetic_energy, const std::string& when) {
+    const double flow = simulation.flow_energy();
+    if (flow > 0 && kinetic_energy > greatest_heat * flow)
+        throw InvalidInput(
+            fmt::format("the packing heats up {} (step {}): its kinetic energy is {:.2g} times that of the flow, above "
+                        "{:g}; take a "
+                        "smaller time_step or equilibrium_error",
+                        when, simulation.step(), kinetic_energy / flow, greatest_heat));
 }
 
 void refuse_collapse(const Simulation& simulation, double elastic_energy, const Model& model, const std::string& when) {

@@ -17,6 +17,10 @@ double reduced_energy(const plugin::Simulation& simulation, double energy, const
 void refuse_runaway(const plugin::Simulation& simulation, double kinetic_energy, const Model& model,
                     const std::string& when);
 
+/// NORTON's dashpots weaken where it is hot and cannot cool it any more.
+/// @throws InvalidInput if the kinetic energy is ten times that of the flow
+void refuse_heat(const plugin::Simulation& simulation, double kinetic_energy, const std::string& when);
+
 /// What only a run under load can do.
 /// @throws InvalidInput if planes have passed particles, or seeds overlap deeply
 void refuse_collapse(const plugin::Simulation& simulation, double elastic_energy, const Model& model,

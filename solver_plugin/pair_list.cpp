@@ -112,6 +112,7 @@ void PairList::add(std::int32_t i, std::int32_t* found, int count, const Particl
         add_blocks(i, 0, found, count, particles, memory);
         return;
     }
+    const auto type_of = [&](std::int32_t k) { return type_count_ > 1 ? particles.type[k] - 1 : 0; };
     const int kinds = (by_object_ ? 2 : 1) * type_count_;
     const int room = count + lanes;
     sorted_.resize(std::max(sorted_.size(), static_cast<std::size_t>(kinds) * room));
@@ -119,11 +120,11 @@ void PairList::add(std::int32_t i, std::int32_t* found, int count, const Particl
     const std::int32_t object = by_object_ ? particles.object[particles.id[i] - 1] : 0;
     for (int k = 0; k < count; ++k) {
         const std::int32_t j = found[k];
-        int kind = particles.type[j] - 1;
+        int kind = type_of(j);
         if (by_object_ && particles.object[particles.id[j] - 1] != object) kind += type_count_;
         sorted_[kind * room + kept_[kind]++] = j;
     }
-    const int first_law = (particles.type[i] - 1) * type_count_;
+    const int first_law = type_of(i) * type_count_;
     for (int kind = 0; kind < kinds; ++kind) {
         const int apart = kind >= type_count_ ? type_count_ * type_count_ : 0;
         add_blocks(i, first_law + kind % type_count_ + apart, sorted_.data() + static_cast<std::ptrdiff_t>(kind) * room,

@@ -32,6 +32,7 @@ class PairList {
     /// Blocks that may be read behind the last one, so that prefetching needs no test.
     static constexpr std::size_t tail = 24;
 
+    /// One where the law does not look at types.
     void set_types(int count) { type_count_ = count; }
     /// Room for the places of so many particles.
     void make_room(int count) { listed_at_.resize(3 * static_cast<std::size_t>(count)); }

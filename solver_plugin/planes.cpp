@@ -36,7 +36,8 @@ double FixPlanes::press(const std::vector<int>& candidates, double plane, double
     for (int i : candidates) {
         const double distance = inward * (atom->x[i][2] - plane);
         if (distance >= atom->radius[i]) continue;
-        const double normal_force = wall_force(laws_, *atom, i, distance, inward * (atom->v[i][2] - velocity));
+        const double normal[3] = {0, 0, inward};
+        const double normal_force = wall_force(laws_, *lmp, i, distance, normal, inward * (atom->v[i][2] - velocity));
         atom->f[i][2] += inward * normal_force;
         total += normal_force;
         if (tally_step_ == update->ntimestep) tally_[static_cast<std::size_t>(i)] -= normal_force * distance;

@@ -3,6 +3,7 @@
 #include "solver_plugin/crown_pair.hpp"
 #include "solver_plugin/fix_contact.hpp"
 #include "solver_plugin/fix_integrate.hpp"
+#include "solver_plugin/fix_norton.hpp"
 #include "solver_plugin/fix_rebuild.hpp"
 #include "solver_plugin/fix_watch.hpp"
 #include "solver_plugin/lateral_box.hpp"
@@ -71,6 +72,7 @@ void register_fixes(LAMMPS& lmp) {
     styles["tomodem/lateral"] = &make_fix<FixLateralBox>;
     styles["tomodem/contact"] = &make_fix<FixContact>;
     styles["tomodem/rebuild"] = &make_fix<FixRebuild>;
+    styles["tomodem/norton"] = &make_fix<FixNorton>;
     styles["tomodem/watch"] = &make_fix<FixWatch>;
 }
 

@@ -77,6 +77,7 @@ Simulation::Simulation(const Packing& sample, const Model& model, int load_axis,
     s.use_laws();
     if (!s.object.empty()) s.pair->tell_objects_apart(s.object.data());
     command("pair_coeff * *");
+    if (model.norton) command("fix norton all tomodem/norton");
     command(fmt::format("timestep {:.17g}", model.time_step));
     command("fix integration all tomodem/integrate");
     if (model.lateral != Lateral::free) {
@@ -96,6 +97,11 @@ Simulation::~Simulation() = default;
 
 void Simulation::begin_relaxation() {
     State& s = *state_;
+    s.relaxing = true;
+    if (s.model.norton) {
+        s.use_laws();
+        return;
+    }
     // On the stiffness of its stiffest pair, or light soft particles fly out from between stiff ones.
     const auto period_of = [&](const PhaseModel& phase) {
         double stiffest = phase.pair.repulsive_stiffness;
@@ -114,12 +120,12 @@ void Simulation::begin_relaxation() {
     for (std::size_t k = 1; k < s.model.phases.size(); ++k)
         words += fmt::format(" scale {} {:.17g}", k + 1, drag(k) / drag(0));
     s.session.command(words);
-    s.relaxing = true;
 }
 
 void Simulation::end_relaxation() {
-    state_->session.command("unfix drag");
+    if (!state_->model.norton) state_->session.command("unfix drag");
     state_->relaxing = false;
+    if (state_->model.norton) state_->use_laws();
     state_->loading_start = step();
     LAMMPS_NS::Atom& atoms = state_->atom();
     for (int i = 0; i < atoms.nlocal; ++i)
@@ -139,7 +145,7 @@ void Simulation::place_planes() {
     high = s.largest(high);
     if (!(high > low))
         throw InvalidInput("the sample has no height along the loading axis: it needs two layers at least");
-    if (s.model.trilin) {
+    if (s.model.planes_hold()) {
         const double layer = std::min(s.model.crown_radius - s.model.seed_radius, high - low);
         const double in_layer = static_cast<double>(s.count) * layer / (high - low);
         low = s.face(low, high, in_layer, 1) - layer;
@@ -187,6 +193,7 @@ std::int64_t Simulation::place_wall(const TriangleMesh& mesh, const Wall& wall) 
 
 void Simulation::set_loading(const LoadSegment& segment) {
     State& s = *state_;
+    const double rate_before = s.loading ? s.segment.rate_at(s.time_in_segment()) : 0.0;
     if (!s.loading) {
         // Walls stand still, and forces do not count, while the sample comes to rest between them.
         s.loading = true;
@@ -198,6 +205,8 @@ void Simulation::set_loading(const LoadSegment& segment) {
         take_wall_forces();
     }
     continue_loading(segment, step());
+    // A viscous sample is stiffer than its inertia is patient: it is given the flow that the planes begin.
+    if (s.model.norton && s.planes != nullptr && !segment.affine) s.carry_along(segment.rate_at(0) - rate_before);
     if (s.planes != nullptr && segment.noise > 0) s.shake(segment.noise * 2 * s.model.seed_radius);
 }
 
@@ -237,8 +246,7 @@ std::int64_t Simulation::step() const {
 }
 
 double Simulation::strain() const {
-    const double time = state_->model.time_step * static_cast<double>(step() - state_->segment_start);
-    return state_->segment.strain_at(time);
+    return state_->segment.strain_at(state_->time_in_segment());
 }
 
 void Simulation::advise(const std::string& text) {

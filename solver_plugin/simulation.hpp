@@ -81,6 +81,8 @@ class Simulation {
     /// in the order in which the walls were placed.
     std::vector<Vec3> take_wall_forces();
     Energies energies() const;
+    /// Kinetic energy [nJ] that the particles would have in a uniform flow between the planes; 0 without planes.
+    double flow_energy() const;
     /// Present area between periodic sides [mm^2], in the sample's own lengths; nothing when the sides are free.
     std::optional<double> periodic_section() const;
     /// Greatest over the phases of kinetic energy over N k_rep r_s^2, each with its own particles and stiffness.

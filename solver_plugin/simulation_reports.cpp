@@ -129,6 +129,20 @@ Energies Simulation::energies() const {
     return {s.total(kinetic) * to_sample, s.total(s.pair->seed_energy()) * to_sample};
 }
 
+double Simulation::flow_energy() const {
+    State& s = *state_;
+    if (s.planes == nullptr) return 0;
+    const double rate = s.segment.rate_at(s.time_in_segment());
+    const LAMMPS_NS::Atom& atoms = s.atom();
+    const double* const centre = s.planes->motion().centre;
+    double energy = 0;
+    for (int i = 0; i < atoms.nlocal; ++i) {
+        const double x = atoms.x[i][0] - centre[0], y = atoms.x[i][1] - centre[1], z = atoms.x[i][2] - centre[2];
+        energy += 0.5 * atoms.rmass[i] * rate * rate * (z * z + 0.25 * (x * x + y * y));
+    }
+    return s.total(energy) / std::pow(s.scale, 3);
+}
+
 std::optional<double> Simulation::periodic_section() const {
     if (state_->model.lateral == Lateral::free) return {};
     const LAMMPS_NS::Domain& domain = *state_->session.lmp().domain;

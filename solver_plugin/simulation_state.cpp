@@ -57,6 +57,16 @@ void Simulation::State::add_planes() {
 }
 
 void Simulation::State::use_laws() {
+    if (model.norton) {
+        law::Norton law = *model.norton;
+        law.at_rest = relaxing;
+        for (std::size_t k = 0; k < law.materials.size(); ++k) {
+            law.materials[k].consistency *= hardening[k];
+            law.materials[k].strength *= hardening[k];
+        }
+        pair->use(law);
+        return;
+    }
     PairLaws laws;
     laws.type_count = static_cast<int>(model.phases.size());
     laws.dispersed = model.radius_dispersion > 0;
@@ -101,13 +111,19 @@ void Simulation::State::remember_contacts() {
 void Simulation::State::steer_sides() {
     const LAMMPS_NS::Domain& domain = *session.lmp().domain;
     const FixPlanes::Motion& motion = planes->motion();
-    const double time = model.time_step * static_cast<double>(session.lmp().update->ntimestep - segment_start);
-    const double height = motion.initial_height * std::exp(segment.strain_at(time));
+    const double height = motion.initial_height * std::exp(segment.strain_at(time_in_segment()));
     const double pressure = total(pair->lateral_virial()) / (domain.xprd * domain.yprd * height);
     double stiffest = 0;
     for (const PhaseModel& phase : model.phases) stiffest = std::max(stiffest, phase.pair.repulsive_stiffness);
     const double reduced = pressure / (stiffest / (2 * model.seed_radius));
     sides->steer(std::clamp(side_gain * reduced, -1.0, 1.0));
+}
+
+void Simulation::State::carry_along(double rate) {
+    const LAMMPS_NS::Atom& atoms = atom();
+    const double slope[3] = {-0.5 * rate, -0.5 * rate, rate};
+    for (int i = 0; i < atoms.nlocal; ++i)
+        for (int c = 0; c < 3; ++c) atoms.v[i][c] += slope[c] * (atoms.x[i][c] - planes->motion().centre[c]);
 }
 
 void Simulation::State::shake(double deviation) {

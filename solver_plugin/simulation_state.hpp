@@ -98,6 +98,13 @@ struct Simulation::State {
     /// Widens the periodic sides while the sample presses on them, and narrows them while it pulls.
     void steer_sides();
 
+    double time_in_segment() {
+        return model.time_step * static_cast<double>(session.lmp().update->ntimestep - segment_start);
+    }
+
+    /// Adds the velocities of a uniaxial flow about the planes' centre that keeps the volume.
+    void carry_along(double rate);
+
     /// Adds a random velocity of that standard deviation to every component; it depends on the particle alone.
     void shake(double deviation);
 

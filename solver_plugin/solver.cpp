@@ -80,7 +80,7 @@ Simulation::Watch watching(Watch& watch, const Simulation& simulation) {
 }
 
 void relax_inside(Simulation& simulation, const Model& model, double periods, const Simulation::Watch& watch = {}) {
-    const auto steps = static_cast<std::int64_t>(std::ceil(periods * law::least_steps_per_period));
+    const std::int64_t steps = relaxation_steps(model, periods);
     constexpr std::int64_t chunk = 50;
     cli::Progress progress("relaxing", static_cast<double>(steps));
     simulation.begin_relaxation();
@@ -209,7 +209,7 @@ class Pressing {
             }
             if (!scene_.steps.empty()) simulation().place_planes();
             place_walls(simulation(), scene_, Room::checked);
-            if (model_.trilin) {
+            if (model_.planes_hold()) {
                 relax_inside(simulation(), model_, seating_periods, watch);
                 simulation().end_relaxation();
             }
@@ -306,6 +306,8 @@ class Pressing {
         const plugin::Energies energies = simulation().energies();
         refuse_runaway(simulation(), energies.kinetic, model_, fmt::format("at strain {:.3f}", simulation().strain()));
         refuse_collapse(simulation(), energies.seeds, model_, fmt::format("at strain {:.3f}", simulation().strain()));
+        if (model_.norton)
+            refuse_heat(simulation(), energies.kinetic, fmt::format("at strain {:.3f}", simulation().strain()));
         window_.add({simulation().take_forces(), simulation().take_wall_forces(), steps});
         const Forces forces = window_.mean();
         const double strain = simulation().strain();
@@ -500,6 +502,13 @@ class Pressing {
 };
 
 }  // namespace
+
+std::int64_t relaxation_steps(const Model& model, double periods) {
+    constexpr double strain_of_a_period = 0.003;
+    const double steps_of_a_period =
+        model.norton ? strain_of_a_period / (model.norton->flow_rate * model.time_step) : law::least_steps_per_period;
+    return static_cast<std::int64_t>(std::ceil(periods * steps_of_a_period));
+}
 
 Relaxation relax(const Packing& sample, const Scene& scene, double periods, MPI_Comm communicator) {
     const Meter meter(communicator);

@@ -28,6 +28,10 @@ inline constexpr double default_relaxation_periods = 20;
 /// Of rest between planes that pull, for the faces to lie against them.
 inline constexpr double seating_periods = 20;
 
+/// Steps of a relaxation: `periods` of 20 steps; with NORTON each of them takes 0.003 of strain at the load's rate,
+/// which its viscosity needs.
+std::int64_t relaxation_steps(const Model& model, double periods);
+
 struct Relaxation {
     Packing sample;                   ///< at rest, `relaxed`; complete on the first process only
     double residual_energy = 0.0;     ///< kinetic energy at the end over N k_rep r_s^2 [-]

@@ -72,8 +72,9 @@ void FixSurface::post_force(int) {
         tree_->contacts(candidate.triangles, place_of(i, moved), atom->radius[i], contacts_);
         const Vec3 relative = Vec3(atom->v[i][0], atom->v[i][1], atom->v[i][2]) - velocity;
         for (const SurfaceContact& contact : contacts_) {
-            const Vec3 on_particle =
-                wall_force(laws_, *atom, i, contact.distance, contact.direction.dot(relative)) * contact.direction;
+            const Vec3 on_particle = wall_force(laws_, *lmp, i, contact.distance, contact.direction.data(),
+                                                contact.direction.dot(relative)) *
+                                     contact.direction;
             for (int axis = 0; axis < 3; ++axis) atom->f[i][axis] += on_particle[axis];
             total += on_particle;
             if (!tallies) continue;

@@ -1,14 +1,12 @@
 #include "solver_plugin/vector_pairs.hpp"
 
-#include <immintrin.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
-// Compiled for AVX2 whatever the build's target; run only where VectorPairs::supported() says so.
-#define TOMODEM_AVX2 __attribute__((target("avx2,fma")))
+#include "solver_plugin/avx2.hpp"
+#include "solver_plugin/contact_change.hpp"
 
 namespace tomodem::plugin {
 namespace {
@@ -17,20 +15,6 @@ namespace {
 constexpr std::size_t prefetch_distance = PairList::tail;
 
 constexpr int lanes = PairBlock::lanes;
-
-/// {sum(a), sum(b), sum(c), sum(d)}
-TOMODEM_AVX2 inline __m256d sums(__m256d a, __m256d b, __m256d c, __m256d d) {
-    const __m256d ab = _mm256_hadd_pd(a, b);
-    const __m256d cd = _mm256_hadd_pd(c, d);
-    return _mm256_add_pd(_mm256_permute2f128_pd(ab, cd, 0x21), _mm256_blend_pd(ab, cd, 0b1100));
-}
-
-/// One bit a lane to a mask of lanes.
-TOMODEM_AVX2 inline __m256d lane_mask(unsigned bits) {
-    const __m256i bit = _mm256_set_epi64x(8, 4, 2, 1);
-    const __m256i set = _mm256_and_si256(_mm256_set1_epi64x(bits), bit);
-    return _mm256_castsi256_pd(_mm256_cmpeq_epi64(set, bit));
-}
 
 }  // namespace
 
@@ -54,25 +38,6 @@ void VectorPairs::set_laws(const PairLaws& laws, double inner_skin) {
             crown_.push_back(law.crown_distance);
             bounded_ = bounded_ || std::isfinite(law.greatest_attraction);
         }
-}
-
-void VectorPairs::change_state(PairBlock& block, unsigned formed, unsigned left, const ParticleView& particles,
-                               const PairStep& step, ContactMemory& memory) const {
-    for (int lane = 0; lane < lanes; ++lane) {
-        const unsigned bit = 1U << lane;
-        const int j = block.neighbour[lane];
-        // Pairs of two objects never attract: there is nothing to decide.
-        if ((formed & bit) != 0 && constants_[block.law].same_object) {
-            const Row &here = packed_.rows()[block.particle], &there = packed_.rows()[j];
-            const double line[3] = {there.position[0] - here.position[0], there.position[1] - here.position[1],
-                                    there.position[2] - here.position[2]};
-            if (memory.classify(block.particle, j, line, particles.id, step.number)) block.interface |= bit;
-        }
-        if ((left & bit) != 0) {
-            memory.forget(block.particle, j, particles.id);
-            block.interface &= ~bit;
-        }
-    }
 }
 
 template <unsigned features>
@@ -143,9 +108,10 @@ TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const Pair
                     _mm256_movemask_pd(_mm256_cmp_pd(before_squared, crown_squared, _CMP_LE_OQ)));
             }
             const auto now = static_cast<unsigned>(_mm256_movemask_pd(inside));
-            const unsigned formed = now & ~block->inside, left = block->interface & ~now;
+            // Pairs of two objects never attract: there is nothing to decide.
+            const unsigned formed = same_object ? now & ~block->inside : 0U, left = block->interface & ~now;
             if ((formed | left) != 0) [[unlikely]]
-                change_state(*block, formed, left, particles, step, *memory);
+                change_contacts(*block, formed, left, packed_.rows(), particles, step, *memory);
             block->inside = static_cast<std::uint8_t>(now);
             if (block->interface != 0) internal = _mm256_andnot_pd(lane_mask(block->interface), inside);
         }

@@ -6,6 +6,7 @@
 #include "core/law/pair.hpp"
 #include "solver_plugin/contact_memory.hpp"
 #include "solver_plugin/packed_particles.hpp"
+#include "solver_plugin/pair_step.hpp"
 
 namespace tomodem::plugin {
 
@@ -15,14 +16,6 @@ struct PairLaws {
     int type_count = 1;
     bool dispersed = false;    ///< radii differ within a type
     double seed_to_crown = 0;  ///< r_s / r_c, the same for all
-};
-
-/// The step that a pair loop computes.
-struct PairStep {
-    std::int64_t number = 0;
-    double time_step = 0;
-    bool renumbered = true;  ///< the solver has exchanged or sorted particles
-    bool set_up = true;      ///< first computation: every pair in the crown was there before
 };
 
 /// The pair laws on four pairs at once (AVX2), without branches, on a list of its own.
@@ -53,8 +46,6 @@ class VectorPairs {
         bool same_object;
     };
 
-    void change_state(PairBlock& block, unsigned formed, unsigned left, const ParticleView& particles,
-                      const PairStep& step, ContactMemory& memory) const;
     /// One loop for each combination of several laws (1), bounded attraction (2), dispersed radii (4), memory (8).
     template <unsigned features>
     void compute(const ParticleView& particles, const PairStep& step, bool fresh, ContactMemory* memory);

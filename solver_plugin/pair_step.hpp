@@ -1,0 +1,14 @@
+#pragma once
+#include <cstdint>
+
+namespace tomodem::plugin {
+
+/// The step that a pair loop computes.
+struct PairStep {
+    std::int64_t number = 0;
+    double time_step = 0;
+    bool renumbered = true;  ///< the solver has exchanged or sorted particles
+    bool set_up = true;      ///< first computation: every pair in the crown was there before
+};
+
+}  // namespace tomodem::plugin

@@ -1,0 +1,134 @@
+// Runs as a whole under mpirun with 1, 2 and 4 processes; the first also computes everything alone.
+#include <gmock/gmock.h>
+#include <mpi.h>
+
+#include "core/scene.hpp"
+#include "solver_plugin/simulation.hpp"
+#include "tools/packgen/compaction.hpp"
+
+namespace tomodem {
+namespace {
+
+using plugin::Simulation;
+using C = law::NortonConstants;
+
+int rank() {
+    int rank = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    return rank;
+}
+
+/// Two phases, and an upper half of another object.
+Packing sample() {
+    Packing packing = packgen::compact({.particles = 900, .density = 0.64}).packing;
+    for (std::size_t k = 0; k < packing.size(); ++k) {
+        packing.species[k] = packing.position[k].x() < packing.box.edges.x() / 2 ? 1 : 2;
+        packing.object.push_back(packing.position[k].z() < 0.7 * packing.box.edges.z() ? 1 : 2);
+    }
+    return packing;
+}
+
+Model model_of(const Packing& packing, const std::string& contact = "between_objects = true") {
+    return compile_model(parse_scene(R"([phase.a]
+label = 1
+law = "norton"
+norton = { K = 120, M = 0.0305 }
+[phase.b]
+label = 2
+law = "norton"
+norton = { K = 5020, M = 0.49 }
+[contact]
+)" + contact + R"(
+[load]
+steps = [ { strain = -0.3, rate = 1e-3 } ]
+)",
+                                     "test"),
+                         packing);
+}
+
+std::vector<Vec3> stirred(const Packing& packing) {
+    std::vector<Vec3> velocities;
+    for (const Vec3& point : packing.position)
+        velocities.push_back(1e-3 * Vec3(std::sin(point.y()), std::cos(2 * point.z()), point.x() - point.z()));
+    return velocities;
+}
+
+/// From the formulas, every pair on its own.
+std::vector<Vec3> expected_forces(const Packing& packing, const Model& model, const std::vector<Vec3>& velocities) {
+    const law::Norton& law = *model.norton;
+    const double scale = model.seed_radius / packing.seed_radius, reach = C::crown * law.seed_diameter;
+    const std::size_t count = packing.size();
+    std::vector<law::NortonSums> sums(count, law::NortonSums{});
+    const auto for_pairs = [&](auto use) {
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t j = 0; j < count; ++j) {
+                const Vec3 apart = scale * (packing.position[i] - packing.position[j]);
+                if (i != j && apart.norm() <= reach)
+                    use(i, j, apart, Vec3(scale * (velocities[i] - velocities[j])),
+                        packing.object[i] == packing.object[j]);
+            }
+    };
+    for_pairs([&](std::size_t i, std::size_t, const Vec3& apart, const Vec3& speed, bool bonded) {
+        const double weight = std::pow(1 - apart.norm() / reach, 2);
+        for (int c = 0; c < 3; ++c) {
+            for (int b = 0; b < 3 && bonded; ++b) sums[i].moment[c][b] += speed[c] * apart[b];
+            if (bonded) sums[i].diagonal[c] += apart[c] * apart[c];
+            if (bonded) sums[i].off[c] += apart[c] * apart[(c + 1) % 3];
+            sums[i].outward[c] += weight * apart[c] / apart.norm();
+        }
+        sums[i].diagonal[3] += weight;
+    });
+    std::vector<law::NortonState> states;
+    for (std::size_t i = 0; i < count; ++i)
+        states.push_back(law::norton_state(law, law.materials[packing.species[i] - 1], sums[i]));
+    std::vector<Vec3> forces(count, Vec3::Zero());
+    for_pairs([&](std::size_t i, std::size_t j, const Vec3& apart, const Vec3& speed, bool bonded) {
+        Vec3 force;
+        law::norton_force(law, states[i], states[j], apart.data(), speed.data(), bonded, force.data());
+        forces[i] += force / (scale * scale);
+    });
+    return forces;
+}
+
+TEST(Norton, ForcesAreThoseOfTheFormulasOnAnyNumberOfProcesses) {
+    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+    const Packing packing = sample();
+    const Model model = model_of(packing);
+    const std::vector<Vec3> velocities = stirred(packing);
+    Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
+    const std::vector<Vec3> forces = simulation.forces_at(velocities);
+    if (rank() != 0) return;
+    const std::vector<Vec3> expected = expected_forces(packing, model, velocities);
+    double largest = 0, difference = 0;
+    for (std::size_t k = 0; k < forces.size(); ++k) {
+        largest = std::max(largest, expected[k].norm());
+        difference = std::max(difference, (forces[k] - expected[k]).norm());
+    }
+    EXPECT_LT(difference, 1e-12 * largest);
+}
+
+TEST(Norton, StepsAreThoseOfOneProcess) {
+    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+    const Packing packing = sample();
+    const Model model = model_of(packing, "self_contact = true");
+    const auto pressed = [&](MPI_Comm communicator) {
+        Simulation simulation(packing, model, 2, communicator);
+        simulation.place_planes();
+        simulation.set_loading({.rate = {-1e-3}});
+        simulation.run(300);
+        return simulation.positions();
+    };
+    const std::vector<Vec3> parallel = pressed(MPI_COMM_WORLD);
+    if (rank() != 0) return;
+    const std::vector<Vec3> alone = pressed(MPI_COMM_SELF);
+    double difference = 0, way = 0;
+    for (std::size_t k = 0; k < alone.size(); ++k) {
+        difference = std::max(difference, (parallel[k] - alone[k]).norm());
+        way = std::max(way, (alone[k] - packing.position[k]).norm());
+    }
+    EXPECT_GT(way, 0.05);
+    EXPECT_LT(difference, 1e-9);
+}
+
+}  // namespace
+}  // namespace tomodem
