@@ -20,6 +20,8 @@ import tempfile
 
 import h5py
 
+from samples import tiled
+
 ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 LAWS = {  # law, stiffness, period, crown radius, time step, neighbour skin as in the solver, density of the brick
     "bilin": ("bilin", 2.65e9, 2.53, 0.75, 5e-3, 0.3, 0.70),
@@ -138,8 +140,12 @@ with tempfile.TemporaryDirectory() as folder:
                            steps / 20], {})
 
         scene(1000)
-        subprocess.run([options.bin / "packgen", "brick.h5", "--particles", str(particles), "--density", str(density),
+        brick = min(particles, 50000)  # larger samples are put together from bricks
+        subprocess.run([options.bin / "packgen", "brick.h5", "--particles", str(brick), "--density", str(density),
                         "--quiet"], check=True)
+        if particles > brick:
+            os.rename("brick.h5", "one.h5")
+            tiled("one.h5", particles, "brick.h5")
         subprocess.run([options.bin / "relax", "brick.h5", "scene.toml", "relaxed.h5", "--quiet"], check=True)
         top = write_sample("relaxed.h5", crown)
         times = {"stock, bare": lambda n: stock(n, False), "stock, plates": lambda n: stock(n, True),

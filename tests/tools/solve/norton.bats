@@ -1,0 +1,115 @@
+#!/usr/bin/env bats
+# The law NORTON through the tools: 300 particles, so stresses are those of a small sample.
+load common
+
+make_brick() { packgen "$1" --particles 300 --density 0.64 --quiet; }
+
+# norton_scene FILE STEPS [CONTACT] [ACCURACY]
+norton_scene() {
+    cat > "$1" <<END
+[phase.a]
+label = 1
+law = "norton"
+norton = { K = 100, M = ${M:-0.5} }
+$3
+[load]
+steps = [ $2 ]
+[accuracy]
+frames = 2
+$4
+END
+}
+
+# holds RUN CONDITION: a Python expression of e (strain), s (stress in MPa) and error
+holds() {
+    /usr/bin/python3 - "$@" <<'END'
+import sys, h5py, numpy as np
+file = h5py.File(sys.argv[1])["observables"]
+e, s, error = file["strain/value"][:], file["stress_true/value"][:] / 1e6, file["equilibrium_error/value"][:]
+late = np.abs(e) > 0.1
+print(e[-1], s[late].mean(), error[late].mean())
+assert eval(sys.argv[2]), sys.argv[2]
+END
+}
+
+@test "a small sample carries about K rate^M in compression, and as much in tension" {
+    make_brick brick.h5
+    norton_scene press.toml "{ strain = -0.2, rate = 1e-3 }"
+    norton_scene pull.toml "{ strain = 0.2, rate = 1e-3 }"
+    solve brick.h5 press.toml press.h5 --quiet
+    solve brick.h5 pull.toml pull.h5 --quiet
+    holds press.h5 'abs(s[late].mean() / (-100 * 1e-3**0.5) - 1) < 0.25'
+    holds pull.h5 'abs(s[late].mean() / (100 * 1e-3**0.5) - 1) < 0.25'
+}
+
+@test "stress does not look at the time step" {
+    make_brick brick.h5
+    norton_scene whole.toml "{ strain = -0.15, rate = 1e-3 }"
+    solve brick.h5 whole.toml whole.h5 --quiet --json whole.json
+    half=$(/usr/bin/python3 -c 'import json; print(json.load(open("whole.json"))["time_step"] / 2)')
+    norton_scene half.toml "{ strain = -0.15, rate = 1e-3 }" "" "time_step = $half"
+    solve brick.h5 half.toml half.h5 --quiet
+    stress=$(/usr/bin/python3 -c '
+import h5py
+f = h5py.File("whole.h5")["observables"]
+print(f["stress_true/value"][:][abs(f["strain/value"][:]) > 0.1].mean() / 1e6)')
+    holds half.h5 "abs(s[late].mean() / $stress - 1) < 0.01"
+    norton_scene longer.toml "{ strain = -0.15, rate = 1e-3 }" "" "time_step = 1"
+    refuses 1 'time_step 1 s is longer than law "norton" is stable with' solve brick.h5 longer.toml longer.h5
+}
+
+@test "pressing, pulling back and a change of the rate in one run, gone on with after a stop" {
+    make_brick brick.h5
+    norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }, { strain = -0.15, rate = 3e-3 }, { strain = 0.0, rate = 1e-3 }" \
+        "[contact]
+self_contact = true
+healing_time = \"50 s\""
+    solve brick.h5 scene.toml whole.h5 --quiet
+    solve brick.h5 scene.toml run.h5 --quiet --checkpoint-every 0.0001 &
+    for _ in $(seq 200); do [ -e run.h5.checkpoint ] && break; sleep 0.05; done
+    kill -9 $! || true
+    wait $! || true
+    solve brick.h5 scene.toml run.h5 --quiet --resume
+    /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+a, b = h5py.File("whole.h5"), h5py.File("run.h5")
+for name in ("observables/stress_true/value", "particles/all/position/value", "particles/all/outward/value"):
+    assert np.array_equal(a[name][:], b[name][:]), name
+strain, stress = a["observables/strain/value"][:], a["observables/stress_true/value"][:]
+assert stress[np.argmin(strain) - 2] < 0 < stress[-2], "tension after the reversal"
+END
+}
+
+@test "several processes give the same curve within a hundredth" {
+    make_brick brick.h5
+    norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }"
+    relax brick.h5 scene.toml sample.h5 --quiet
+    solve sample.h5 scene.toml one.h5 --quiet
+    mpirun --oversubscribe -np 2 solve sample.h5 scene.toml two.h5 --quiet
+    /usr/bin/python3 -c '
+import h5py, numpy as np
+one, two = (h5py.File(f"{name}.h5")["observables/stress_true/value"][:] for name in ("one", "two"))
+assert np.abs(two - one).max() < 0.01 * np.abs(one).max(), np.abs(two / one - 1).max()'
+}
+
+@test "explain says which limit set the time step" {
+    make_brick brick.h5
+    norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }"
+    run -0 solve --explain brick.h5 scene.toml run.h5
+    [[ "$output" == *"time_step_reason: viscous stability at half the lowest rate"* ]]
+    [[ "$output" == *"viscous_flow_and_pressure_of_the_density: on"* ]]
+}
+
+@test "what does not go with the law is refused with its line" {
+    make_brick brick.h5
+    norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }"
+    with() { sed "$1" scene.toml > bad.toml; refuses 1 "$2" solve brick.h5 bad.toml run.h5; }
+    with 's/^norton = .*/&\nnatural_period = 1/' 'line 5: natural_period belongs to the other laws'
+    with 's/^norton = .*/repulsive_stiffness = 1e9/' 'belongs to the other laws'
+    with 's/^frames.*/strain_per_step = 1e-5/' 'chooses the time step by equilibrium_error'
+    with '1i radius_dispersion = 0.1' 'is made for equal radii'
+    with '1i crown_radius = 0.7' 'is made for a crown_radius of 1.5 seed radii'
+    with 's/M = 0.5/M = 1.2/' 'M in norton is above 1'
+    sed 's/"norton"/"bilin"/; s/^frames.*/reference_rate = 1e-3/' scene.toml > bad.toml
+    refuses 1 'reference_rate belongs to law "norton"' solve brick.h5 bad.toml run.h5
+}
