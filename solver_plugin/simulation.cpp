@@ -72,6 +72,7 @@ Simulation::Simulation(const Packing& sample, const Model& model, int load_axis,
     }
     command("fix youngsModulus all property/global youngsModulus " + young);
     command("fix poissonsRatio all property/global poissonsRatio " + poisson);
+    // NORTON is given to the pair style by use_laws().
     command(fmt::format("pair_style gran model {} tangential off", model.trilin ? "trilin" : "bilin"));
     s.pair = CrownPair::of(s.session.lmp());
     s.use_laws();

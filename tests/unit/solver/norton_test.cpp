@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <mpi.h>
 
+#include "core/error.hpp"
 #include "core/scene.hpp"
+#include "solver_plugin/guards.hpp"
 #include "solver_plugin/simulation.hpp"
 #include "tools/packgen/compaction.hpp"
 
@@ -128,6 +130,23 @@ TEST(Norton, StepsAreThoseOfOneProcess) {
     }
     EXPECT_GT(way, 0.05);
     EXPECT_LT(difference, 1e-9);
+}
+
+TEST(Norton, ASampleBeginsWithTheFlowAndIsRefusedWhenItHeats) {
+    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+    const Packing packing = sample();
+    Simulation simulation(packing, model_of(packing), 2, MPI_COMM_WORLD);
+    simulation.place_planes();
+    simulation.set_loading({.rate = {-1e-3}});
+    simulation.run(0);
+    const double flow = simulation.flow_energy();
+    ASSERT_GT(flow, 0);
+    EXPECT_NEAR(simulation.energies().kinetic, flow, 1e-9 * flow);
+    refuse_heat(simulation, 9 * flow, "here");
+    EXPECT_THAT(
+        [&] { refuse_heat(simulation, 11 * flow, "here"); },
+        testing::ThrowsMessage<InvalidInput>(testing::HasSubstr("the packing heats up here (step 0): its kinetic "
+                                                                "energy is 11 times that of the flow")));
 }
 
 }  // namespace
