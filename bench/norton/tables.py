@@ -7,7 +7,7 @@ usage: tables.py BIN [--folder norton_tables] [--packings 3] [--particles 2000] 
 
 Samples of D = 0.64 are packed, relaxed under the law and pressed or pulled by the executables in BIN. `one`: the three
 rates 1e-3, 1e-4, 1e-5 /s share reference_rate = 1e-3, that is all constants but mass and time step. A finished run
-stays in the folder and is not done again. Prints tables, writes tables.md and tables.json.
+stays in the folder and is not done again. Prints tables, writes tables.md, tables.json and curves.png.
 """
 import argparse
 import csv
@@ -112,7 +112,27 @@ def load(strain, rate, accuracy=""):
     return f"[load]\nsteps = [ {{ strain = {strain}, rate = {rate:g} }} ]\n[accuracy]\nframes = 6\n{accuracy}"
 
 
+def draw(curves):
+    """Stress over K rate^M against strain of every exponent at the fastest rate, all packings."""
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), sharey=True, layout="constrained")
+    for axis, direction in zip(axes, ("compression", "tension")):
+        for k, exponent in enumerate(options.exponents):
+            for packing in packings:
+                curve = curves[exponent, direction, packing]
+                axis.plot(curve["strain"][1:], curve["stress"][1:] / (K * options.rates[0]**exponent), color=f"C{k}", lw=0.8,
+                          label=f"M = {exponent:g}" if packing == 1 else None)
+        axis.axhline(1, color="black", lw=0.5)
+        axis.set(title=direction, xlabel="true strain", ylim=(0, 1.4))
+    axes[0].set_ylabel("true stress over K rate$^M$")
+    axes[0].legend()
+    figure.savefig(options.folder / "curves.png", dpi=130)
+
+
 def one():
+    every = {}
     table(f"One phase, {size} particles: stress over K rate^M at strain 0.3, constants of 1e-3 /s at every rate", "M", "load",
           *(f"{rate:g} /s" for rate in options.rates), "M fitted", "at 0.15, 0.5 (fastest)", "volume at 0.5, fastest, slowest",
           "equilibrium error", "steps to 0.3")
@@ -124,6 +144,8 @@ def one():
                     curves[direction, rate, packing] = run(
                         f"one-{size}-{packing}-{exponent:g}-{rate:g}-{direction}", brick(packing),
                         phase("a", 1, (K, exponent)) + load(sign * 0.55, rate, f"reference_rate = {RATES[0]:g}\n"))
+                    if rate == options.rates[0]:
+                        every[exponent, direction, packing] = curves[direction, rate, packing]
             ratio = {rate: [mean(curves[direction, rate, p], 0.3) / (K * rate**exponent) for p in packings]
                      for rate in options.rates}
             fits = [np.polyfit(np.log(options.rates), [np.log(ratio[rate][p - 1] * rate**exponent) for rate in options.rates], 1)[0]
@@ -147,6 +169,7 @@ def one():
             keep(f"{exponent:g} {rate:g} T/C", [mean(curves["tension", rate, p], 0.3) / mean(curves["compression", rate, p], 0.3)
                                               for p in packings])
         print("\n".join(lines[-2:]), flush=True)
+    draw(every)
 
 
 def jump():

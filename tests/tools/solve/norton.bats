@@ -113,3 +113,41 @@ assert np.abs(two - one).max() < 0.01 * np.abs(one).max(), np.abs(two / one - 1)
     sed 's/"norton"/"bilin"/; s/^frames.*/reference_rate = 1e-3/' scene.toml > bad.toml
     refuses 1 'reference_rate belongs to law "norton"' solve brick.h5 bad.toml run.h5
 }
+
+@test "surfaces pull a sample apart: each feels the tension that the planes would" {
+    make_brick brick.h5
+    norton_scene planes.toml "{ strain = 0.15, rate = 1e-3 }"
+    relax brick.h5 planes.toml sample.h5 --quiet
+    # Plates a little inside the outermost centres' seeds, so that they hold as many as planes do.
+    /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+z = h5py.File("sample.h5")["particles/all/position/value"][0, :, 2]
+low, high = np.sort(z)[4] - 0.5, np.sort(z)[-5] + 0.5
+for name, height in (("die", low), ("tool", high)):
+    with open(f"{name}.stl", "w") as file:
+        print("solid plate", file=file)
+        a, b, c, d = ((x, y, height) for x, y in ((-30, -30), (30, -30), (30, 30), (-30, 30)))
+        for corners in ((a, b, c), (a, c, d)):
+            print("facet normal 0 0 1\nouter loop", file=file)
+            for corner in corners:
+                print("vertex", *corner, file=file)
+            print("endloop\nendfacet", file=file)
+        print("endsolid plate", file=file)
+with open("scene.toml", "w") as file:
+    file.write(open("planes.toml").read().replace('steps = [ { strain = 0.15, rate = 1e-3 } ]',
+                                                  'duration = "150 s"\nrate = 1e-3'))
+    for name, speed in (("die", 0), ("tool", 1e-3 * (high - low - 1))):
+        file.write(f'[[wall]]\nname = "{name}"\nsurface = "{name}.stl"\nvelocity = [0, 0, {speed}]\n')
+END
+    solve sample.h5 planes.toml planes.h5 --quiet
+    solve sample.h5 scene.toml walls.h5 --quiet
+    /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+planes, walls = h5py.File("planes.h5")["observables"], h5py.File("walls.h5")["observables"]
+section = np.prod(h5py.File("planes.h5")["particles/all/box/edges"][:2])
+expected = planes["stress_true/value"][-20:].mean() * section * np.exp(-0.14)
+tool, die = (walls[f"wall_{name}_force_z/value"][-20:].mean() for name in ("tool", "die"))
+print(expected, tool, die)
+assert expected > 0 and abs(tool / expected - 1) < 0.3 and abs(die / -expected - 1) < 0.3
+END
+}
