@@ -193,8 +193,7 @@ Model compile_model(const Scene& scene, const Packing& sample) {
     model.lateral = scene.lateral;
     if (model.lateral != Lateral::free) check_lateral_sides(scene, sample);
     if (norton) {
-        for (std::int32_t label : present)
-            model.phases.push_back({label, {}, 0, 0, 0, scene.phase(label).hardening});
+        for (std::int32_t label : present) model.phases.push_back({label, {}, 0, 0, 0, scene.phase(label).hardening});
         add_norton(scene, sample, model);
         return model;
     }

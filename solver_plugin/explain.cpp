@@ -32,7 +32,7 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
         list.push_back({name, on, on ? why_on : why_off});
     };
     add("viscous_flow_and_pressure_of_the_density", model.norton.has_value(), "law \"norton\"", "another law");
-    add("bounded_attraction", model.trilin, "law \"trilin\"", "another law");
+    add("bounded_attraction", model.trilin, "law \"trilin\"", model.norton ? "law \"norton\"" : "law \"bilin\"");
     add("several_laws", model.phases.size() > 1 || model.between_objects,
         model.phases.size() > 1 ? fmt::format("{} phases, mixed pairs take the averages", model.phases.size())
                                 : "one phase of several objects",

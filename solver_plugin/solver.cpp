@@ -434,7 +434,8 @@ class Pressing {
 
     /// Total wall time, once there are some seconds of pressing to judge from.
     void predict(std::chrono::steady_clock::time_point begun, std::int64_t first_step) {
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+        double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+        MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, communicator_);  // or some processes would predict, and others not yet
         if (seconds < seconds_to_predict_from) return;
         const std::int64_t all = segment_start(segments_.size()) - start_;
         const double per_step = seconds / static_cast<double>(step() - first_step);

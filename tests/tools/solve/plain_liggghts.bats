@@ -28,7 +28,7 @@ END
     /usr/bin/python3 -c '
 import numpy as np
 one, two = np.loadtxt("one.txt"), np.loadtxt("two_plates.txt")
-assert np.allclose(one[:5], two[:5], rtol=1e-3)'
+assert np.allclose(one[:8], two[:8], rtol=1e-4)'
 }
 
 @test "without the plugin the stock liggghts does not know the law" {

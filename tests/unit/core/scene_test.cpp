@@ -134,7 +134,7 @@ TEST(Scene, RefusesWhatALawDoesNotHave) {
     expect_refused(with("natural_period = \"800 ms\"", "natural_period = 1\ngreatest_attraction = 1e8"), "13",
                    "belongs to law \"trilin\"");
     expect_refused(with("law = \"bilin\"\nrepulsive", "law = \"trilin\"\nrepulsive"), "3", "one law");
-    expect_refused(with("law = \"bilin\"", "law = \"trulin\""), "5", "\"bilin\" or \"trilin\"");
+    expect_refused(with("law = \"bilin\"", "law = \"trulin\""), "5", "\"bilin\", \"trilin\" or \"norton\"");
     expect_refused(changed("self_contact = true\n", ""), "8", "has no effect");
     expect_refused(changed("[100, 1.5]", "[0, 1.5]"), "5", "times rising");
     expect_refused(changed("[100, 1.5]", "[100, -1]"), "5", "factors above 0");
