@@ -26,6 +26,9 @@ void refuse_heat(const plugin::Simulation& simulation, double kinetic_energy, co
 void refuse_collapse(const plugin::Simulation& simulation, double elastic_energy, const Model& model,
                      const std::string& when);
 
+/// Between phases of very different stiffness BILIN's and TRILIN's softer one comes out too weak: warns.
+void warn_of_contrast(const Scene& scene, const Model& model);
+
 /// The planes must not jump over particles: warns, or throws InvalidInput.
 void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample);
 

@@ -131,6 +131,7 @@ class Pressing {
             throw InvalidInput(fmt::format("cannot write '{}': name the HDF5 file (.h5), the .xdmf comes beside it",
                                            run_file.string()));
         check_plane_speed(scene, model_, *sample_);
+        warn_of_contrast(scene, model_);
         has_objects_ = !sample_->object.empty();
         const Vec3 edges = sample_->box.edges;
         initial_section_ = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];

@@ -43,6 +43,7 @@ def solve(sample, phases, steps, time_step=0.05, extra="", accuracy=""):
         curves = {name: run[f"observables/{name}/value"][:] for name in ("strain", "stress_true", "stress_engineering")}
     summary = json.load(open("run.json"))
     curves["warned"] = "planes differ" in done.stderr
+    curves["contrast"] = "times as stiff as" in done.stderr
     if summary["particles_lost"] or not all(np.isfinite(curve).all() for curve in curves.values()):
         return f"SILENT: {summary['particles_lost']} particles lost, or a NaN in a curve"
     return curves
@@ -80,8 +81,9 @@ def close(case, result, value, wanted, tolerance, unit=""):
         f"{number:.4g}{unit}, {wanted:.4g}{unit} wanted{warning(result)}")
 
 
-def brick(name, particles, density):
-    subprocess.run(["packgen", name, "--particles", str(particles), "--density", str(density), "--quiet"], check=True)
+def brick(name, particles, density, seed=1):
+    subprocess.run(["packgen", name, "--particles", str(particles), "--density", str(density), "--random-seed", str(seed),
+                    "--quiet"], check=True)
 
 
 def copy(source, target, change):
@@ -177,7 +179,7 @@ def stiffnesses():
 
 
 def two_phases():
-    """A hard layer over a soft one, which flows alone: four packings of 500 gave 0.67 to 1.10 of the soft one's stress."""
+    """A hard layer over a soft one: the soft one flows alone, and faster than the whole."""
     def halves(arrays):
         z = arrays["position"][:, 2]
         arrays["species"] = np.where(z > np.median(z), 2, 1).astype(arrays["species"].dtype)
@@ -187,9 +189,13 @@ def two_phases():
     def press(ratio, share, hard_period=None):
         hard = phase(2, stiffness=6.23e9 * ratio, period=hard_period or 20 * share)
         return solve("halves.h5", phase(1) + hard, [(-0.25, 1.28 * share)], time_step=share)
-    alone, hard = press(1, 0.05), press(100, 2e-3)
-    row("two phases, stiffness ratio 100", hard, not isinstance(hard, str) and 0.6 < late(hard) / late(alone) < 1.5,
-        "" if isinstance(hard, str) else f"{late(hard):.4g} MPa, {late(alone):.4g} MPa of the soft one alone")
+    alone, ten, hundred = press(1, 0.05), press(10, 0.01), press(100, 2e-3)
+    row("two phases, stiffness ratio 10", ten,
+        not isinstance(ten, str) and 1 < late(ten) / late(alone) < 2 and not ten["contrast"],
+        "" if isinstance(ten, str) else f"{late(ten):.4g} MPa, {late(alone):.4g} MPa of the soft one alone")
+    # Four packings gave 0.67 to 1.10 times the soft one alone, where 10 gives 1.36 to 1.67: no answer to rely on.
+    row("two phases, stiffness ratio 100", hundred, not isinstance(hundred, str) and hundred["contrast"],
+        "" if isinstance(hundred, str) else "pressed, with a warning of the contrast")
     # The overlaps of the hard layer hold 1e4 times the energy that binds a soft particle.
     refused("two phases, stiffness ratio 1e4", press(1e4, 2e-3), "falls apart")
     for ratio in (100, 1e4):
@@ -211,12 +217,16 @@ def large_strains():
     result = solve("bilin.h5", phase(), [(-3, 1e-2)])
     row("BILIN, strain -3", result, not isinstance(result, str) and abs(result["strain"][-1] + 3) < 1e-9,
         "" if isinstance(result, str) else f"{-result['stress_true'][-1] / 1e6:.4g} MPa, none lost")
-    result = solve("trilin.h5", phase(law="trilin", stiffness=1.42e9), [(3, 1e-2)], time_step=0.1)
-    if isinstance(result, str):
-        return row("TRILIN, strain +3", result, False, result)
-    force = result["stress_engineering"]  # five packings of 500 kept 3.7 to 5.1 % of their greatest force
-    peak, end = force.max(), np.abs(force[-10:]).max()
-    row("TRILIN, strain +3", result, end < 0.08 * peak, f"broken: {end / peak:.1%} of the greatest force, none lost")
+    rests = []  # of three packings: one alone is between 3.7 and 5.1 %
+    for seed in (1, 2, 3):
+        brick("pulled.h5", 500, 0.74, seed)
+        result = solve("pulled.h5", phase(law="trilin", stiffness=1.42e9), [(3, 1e-2)], time_step=0.1)
+        if isinstance(result, str):
+            return row("TRILIN, strain +3", result, False, result)
+        force = result["stress_engineering"]
+        rests.append(np.abs(force[-10:]).max() / force.max())
+    row("TRILIN, strain +3", result, np.mean(rests) < 0.05,
+        f"broken: {np.mean(rests):.1%} of the greatest force in the mean of three packings, none lost")
 
 
 def dispersions():

@@ -26,6 +26,24 @@ frames = 4
 END
 }
 
+# make_plate FILE HEIGHT: 8 x 8 squares across z in ASCII STL, far wider than the sample
+make_plate() {
+    /usr/bin/python3 - "$@" <<'END'
+import sys
+print("solid plate", file=(out := open(sys.argv[1], "w")))
+z, edge = float(sys.argv[2]), 5
+for i in range(-4, 4):
+    for j in range(-4, 4):
+        a, b, c, d = ((edge * p, edge * q, z) for p, q in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)))
+        for corners in ((a, b, c), (a, c, d)):
+            print("facet normal 0 0 1\nouter loop", file=out)
+            for corner in corners:
+                print("vertex", *corner, file=out)
+            print("endloop\nendfacet", file=out)
+print("endsolid plate", file=out)
+END
+}
+
 # One line on stderr that contains the text, the exit status, and no file left behind.
 refuses() {
     local status=$1 text=$2

@@ -2,24 +2,6 @@
 # Rates that change, and triangulated surfaces as walls.
 load common
 
-# make_plate FILE HEIGHT: 8 x 8 squares across z in ASCII STL, far wider than the sample
-make_plate() {
-    /usr/bin/python3 - "$@" <<'END'
-import sys
-print("solid plate", file=(out := open(sys.argv[1], "w")))
-z, edge = float(sys.argv[2]), 5
-for i in range(-4, 4):
-    for j in range(-4, 4):
-        a, b, c, d = ((edge * p, edge * q, z) for p, q in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)))
-        for corners in ((a, b, c), (a, c, d)):
-            print("facet normal 0 0 1\nouter loop", file=out)
-            for corner in corners:
-                print("vertex", *corner, file=out)
-            print("endloop\nendfacet", file=out)
-print("endsolid plate", file=out)
-END
-}
-
 # load_with LINES: phase A and a [load] of its own
 load_with() { make_scene scene.toml -0.1; sed -i "s|^steps = .*|$1|" scene.toml; }
 

@@ -123,22 +123,16 @@ assert np.abs(two - one).max() < 0.01 * np.abs(one).max(), np.abs(two / one - 1)
 import h5py, numpy as np
 z = h5py.File("sample.h5")["particles/all/position/value"][0, :, 2]
 low, high = np.sort(z)[4] - 0.5, np.sort(z)[-5] + 0.5
-for name, height in (("die", low), ("tool", high)):
-    with open(f"{name}.stl", "w") as file:
-        print("solid plate", file=file)
-        a, b, c, d = ((x, y, height) for x, y in ((-30, -30), (30, -30), (30, 30), (-30, 30)))
-        for corners in ((a, b, c), (a, c, d)):
-            print("facet normal 0 0 1\nouter loop", file=file)
-            for corner in corners:
-                print("vertex", *corner, file=file)
-            print("endloop\nendfacet", file=file)
-        print("endsolid plate", file=file)
+print(low, high, file=open("heights", "w"))
 with open("scene.toml", "w") as file:
     file.write(open("planes.toml").read().replace('steps = [ { strain = 0.15, rate = 1e-3 } ]',
                                                   'duration = "150 s"\nrate = 1e-3'))
     for name, speed in (("die", 0), ("tool", 1e-3 * (high - low - 1))):
         file.write(f'[[wall]]\nname = "{name}"\nsurface = "{name}.stl"\nvelocity = [0, 0, {speed}]\n')
 END
+    read -r low high <heights
+    make_plate die.stl "$low"
+    make_plate tool.stl "$high"
     solve sample.h5 planes.toml planes.h5 --quiet
     solve sample.h5 scene.toml walls.h5 --quiet
     /usr/bin/python3 - <<'END'
