@@ -31,6 +31,7 @@ struct RunningTool {
     nlohmann::ordered_json results;
     nlohmann::ordered_json units;
     std::set<std::string> given;
+    std::map<std::string, std::vector<std::filesystem::path>> inputs;  ///< the files of each input, by its name
     Provenance provenance;
 };
 
@@ -122,6 +123,12 @@ void store(const Argument& argument, const std::vector<std::string>& words) {
             }
             break;
         }
+        case Kind::source:
+            if (argument.files(word).empty())
+                throw InvalidInput(
+                    fmt::format("cannot read {} '{}': there is no such file or folder", argument.name, word));
+            *static_cast<std::string*>(argument.target) = word;
+            break;
         case Kind::output: {
             const std::filesystem::path path = word;
             check_output(argument, path);
@@ -234,7 +241,8 @@ bool parse(int argc, const char* const* argv, const Usage& usage) {
     }
     // Ranges first, then files: a wrong option is reported even where the file is missing too.
     const auto is_file = [](const Argument& a) {
-        return a.kind == Argument::Kind::input || a.kind == Argument::Kind::inputs || a.kind == Argument::Kind::output;
+        return a.kind == Argument::Kind::input || a.kind == Argument::Kind::inputs ||
+               a.kind == Argument::Kind::source || a.kind == Argument::Kind::output;
     };
     for (bool files : {false, true})
         for (std::size_t k = 0; k < arguments.size(); ++k)
@@ -247,9 +255,12 @@ bool parse(int argc, const char* const* argv, const Usage& usage) {
         tool.json = json_text;
         check_output({Argument::Kind::output, "--json", "", false, Unit::none, {}, {}, "", nullptr}, tool.json);
     }
-    for (std::size_t k = 0; k < arguments.size(); ++k)
+    for (std::size_t k = 0; k < arguments.size(); ++k) {
+        if (arguments[k].kind == Argument::Kind::source && !words[k].empty())
+            tool.inputs[words[k].front()] = arguments[k].files(words[k].front());
         if (arguments[k].kind == Argument::Kind::input || arguments[k].kind == Argument::Kind::inputs)
-            for (const auto& word : words[k]) tool.provenance.inputs[word] = "";
+            for (const auto& word : words[k]) tool.inputs[word] = {word};
+    }
     return true;
 }
 
@@ -362,7 +373,7 @@ void warn(const std::string& line) {
 
 Provenance provenance() {
     Provenance result = running().provenance;
-    for (auto& [name, digest] : result.inputs) digest = content_digest(name);
+    for (const auto& [name, files] : running().inputs) result.inputs[name] = content_digest(files);
     return result;
 }
 

@@ -34,7 +34,7 @@ inline constexpr Range not_negative{0, std::numeric_limits<double>::infinity(), 
 
 /// One option or argument, as --help, the completion of the docs and the parser see it.
 struct Argument {
-    enum class Kind { input, inputs, output, number, integer, text, choice, flag };
+    enum class Kind { input, inputs, source, output, number, integer, text, choice, flag };
     Kind kind;
     std::string name;  // "--probe-radius", or the name of a positional argument
     std::string help;
@@ -44,6 +44,8 @@ struct Argument {
     std::vector<std::string> choices;
     std::string default_text;
     void* target = nullptr;
+    /// Of an input that is no plain path: the files that its text stands for; none: there is nothing like that.
+    std::function<std::vector<std::filesystem::path>(const std::string&)> files = {};
 };
 
 class Usage {
@@ -53,6 +55,9 @@ class Usage {
     /// An existing file or folder (checked), recorded with its digest in the provenance.
     Usage& input(const std::string& name, std::filesystem::path& target, const std::string& help);
     Usage& inputs(const std::string& name, std::vector<std::filesystem::path>& target, const std::string& help);
+    /// An input that may be more than a path (a pattern, FILE:DATASET): `files` finds what it is made of.
+    Usage& input(const std::string& name, std::string& target,
+                 std::function<std::vector<std::filesystem::path>(const std::string&)> files, const std::string& help);
     /// A file to write; its folder must exist. Always the last positional argument.
     Usage& output(const std::string& name, std::filesystem::path& target, const std::string& help);
 

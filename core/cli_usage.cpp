@@ -94,6 +94,13 @@ Usage& Usage::inputs(const std::string& name, std::vector<std::filesystem::path>
     return *this;
 }
 
+Usage& Usage::input(const std::string& name, std::string& target,
+                    std::function<std::vector<std::filesystem::path>(const std::string&)> files,
+                    const std::string& help) {
+    add({Argument::Kind::source, name, help, true, Unit::none, {}, {}, "", &target, std::move(files)});
+    return *this;
+}
+
 Usage& Usage::output(const std::string& name, std::filesystem::path& target, const std::string& help) {
     add({Argument::Kind::output, name, help, true, Unit::none, {}, {}, "", &target});
     return *this;

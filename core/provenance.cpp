@@ -50,6 +50,17 @@ std::string file_digest(const fs::path& path) {
     return digest.hexadecimal();
 }
 
+std::string digest_of_all(const std::vector<fs::path>& files) {
+    Sha256 digest;
+    for (const fs::path& file : files) {
+        const std::string name = file.filename().string();
+        digest.add(name.c_str(), name.size() + 1);  // with its zero, which no name contains
+        const std::string content = file_digest(file);
+        digest.add(content.data(), content.size());
+    }
+    return digest.hexadecimal();
+}
+
 }  // namespace
 
 std::string content_digest(const fs::path& path) {
@@ -58,19 +69,17 @@ std::string content_digest(const fs::path& path) {
         throw InvalidInput(fmt::format("cannot read '{}': there is no such file", path.string()));
     if (!fs::is_directory(path, error)) return file_digest(path);
 
-    std::vector<std::string> names;
+    std::vector<fs::path> files;
     fs::directory_iterator folder(path, error);
     if (error) throw InvalidInput(fmt::format("cannot read the folder '{}': {}", path.string(), error.message()));
     for (const fs::directory_entry& entry : folder)
-        if (entry.is_regular_file(error)) names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    Sha256 digest;
-    for (const std::string& name : names) {
-        digest.add(name.c_str(), name.size() + 1);  // with its zero, which no name contains
-        const std::string content = file_digest(path / name);
-        digest.add(content.data(), content.size());
-    }
-    return digest.hexadecimal();
+        if (entry.is_regular_file(error)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    return digest_of_all(files);
+}
+
+std::string content_digest(const std::vector<fs::path>& files) {
+    return files.size() == 1 ? content_digest(files.front()) : digest_of_all(files);
 }
 
 }  // namespace tomodem

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace tomodem {
 
@@ -17,5 +18,8 @@ struct Provenance {
 /// SHA-256 of a file, or of the sorted names and contents of the regular files of a folder, in hexadecimal.
 /// @throws InvalidInput if it cannot be read
 std::string content_digest(const std::filesystem::path& path);
+
+/// The same for several files that are one input: one file's own digest, or that of their names and contents.
+std::string content_digest(const std::vector<std::filesystem::path>& files);
 
 }  // namespace tomodem

@@ -9,11 +9,9 @@
 #include <vector>
 
 #include "core/packing.hpp"
+#include "core/volume_source.hpp"
 
 namespace tomodem {
-
-/// Voxel counts along x, y, z; x is the column of a slice (fastest), y its row (top row first), z the slice number.
-using VoxelIndex = std::array<std::int32_t, 3>;
 
 /// A segmented tomography: one integer label a voxel, 0 is void. Sparse in memory (OpenVDB).
 ///
@@ -72,24 +70,38 @@ class LabelVolume {
 
 /// What read_label_volume needs beyond the file itself.
 struct VolumeOptions {
-    Vec3 voxel_size = Vec3::Zero();                ///< mm, required
-    Vec3 origin = Vec3::Zero();                    ///< mm
-    std::optional<double> threshold;               ///< grey values above it become label 1, the others 0
+    /// Edges of a voxel [mm]; 0: as the file says. A z of 0 without anything in the file is that of x.
+    Vec3 voxel_size = Vec3::Zero();
+    std::optional<Vec3> origin;                    ///< mm; as the file says, or 0, by default
+    std::optional<RawLayout> raw;                  ///< the file is raw voxels
+    std::vector<double> thresholds;                ///< rising; a grey value above n of them becomes label n
+    int otsu_levels = 0;                           ///< that many thresholds are found by Otsu's method
     std::map<std::int32_t, std::int32_t> relabel;  ///< applied to labels read; labels that are not named stay
     /// first voxel and number of voxels to keep, {0,0,0} x everything by default
     std::optional<std::array<VoxelIndex, 2>> region;
+    /// Voxels along x, y, z that become one: grey values by their mean, labels by what most of them have (ties: the
+    /// smallest). Voxels that do not fill a block at the far faces are left out.
+    VoxelIndex bin{1, 1, 1};
 };
 
-/// Reads a multipage TIFF, or a folder of single-page slices in natural order of their numbers (img_9 before img_10).
+/// Reads a segmented or grey volume of any format of docs/volumes.md.
 ///
-/// TIFF and BigTIFF, strips or tiles, any compression of libtiff. Palette images give their indices, never colours.
-/// 1, 2, 4, 8, 16, 32-bit integers, signed or not; 32 and 64-bit float only with a threshold (NaN is below it).
-/// In a folder only files ending in .tif or .tiff count, and their names may differ by one number alone.
+/// Values are taken as they are stored: palette images give their indices, never colours. Floats need thresholds; NaN
+/// is below them (there is a warning). The region is cut out first, then blocks are binned, thresholds applied, labels
+/// renamed. A region keeps the world coordinates of its voxels: the origin moves to its first voxel.
 ///
-/// A region keeps the world coordinates of its voxels: the origin moves to its first voxel.
-/// @throws InvalidInput: not there, not a TIFF, cut, slices of different size, empty folder, gap in the numbers
-/// @note   one slab of slices is in memory at a time beside the volume; slices are decoded on cli::threads() threads
-LabelVolume read_label_volume(const std::filesystem::path& path, const VolumeOptions& options);
+/// @param spec  see open_volume
+/// @throws InvalidInput: not there, of no known format, cut, slices of different size or type, a gap in the numbers, no
+///         voxel size or another than the file's (by more than 1 in 1000)
+/// @note   memory: the labels, and one slab of slices
+LabelVolume read_label_volume(const std::string& spec, const VolumeOptions& options);
+
+/// Values of another volume of the same size at points: those of the voxels that contain them.
+/// @param image    the volume whose voxels they must be: its size is compared
+/// @param points   world coordinates [mm]
+/// @throws InvalidInput as read_label_volume, if the sizes differ, or a point lies outside
+std::vector<double> read_values_at(const std::string& spec, const std::string& image, const VolumeOptions& options,
+                                   std::span<const Vec3> points);
 
 /// Writes a multipage TIFF (atomically), LZW, with the fewest of 8, 16 or 32 bits that hold the labels; BigTIFF where
 /// it could pass 4 GiB. Its description holds the spacing and the origin.

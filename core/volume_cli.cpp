@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "core/units.hpp"
 
@@ -41,33 +42,59 @@ std::int32_t whole_number(const std::string& flag, const std::string& text, std:
 }  // namespace
 
 cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request) {
-    return usage.input("volume", request.path, "segmented volume: multipage TIFF, or a folder of numbered slices")
-        .required("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive, "edge of a voxel")
+    return usage
+        .input("volume", request.path, volume_files,
+               "tomography: TIFF, folder of numbered slices, 'pattern*.tif', HDF5 (FILE.h5:/dataset), MetaImage, NRRD, "
+               "ESRF .vol or .raw, .vdb")
+        .option("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive,
+                "edge of a voxel; needed where the file does not say it, checked where it does")
         .option("--slice-spacing", request.slice_spacing, cli::Unit::length, cli::positive,
                 "distance of the slices, where it is not the voxel size")
         .option("--origin", request.origin, "world coordinates of the first voxel's corner, as 0mm,0mm,1.2mm")
-        .option("--threshold", request.threshold, cli::Unit::none, cli::any,
-                "the image is grey: voxels above this value become label 1, the others 0 (void)")
+        .option("--roi", request.roi, "voxels to keep, as x0:x1,y0:y1,z0:z1 counted from 0, the second not included")
+        .option("--bin", request.bin, "voxels along each axis that become one, as 2 or 2x2x1")
+        .option("--threshold", request.threshold,
+                "the image is grey: voxels above this value become label 1, the others 0; 83,140 makes labels 0, 1, 2")
+        .option("--otsu", request.otsu, cli::Unit::none, {1, 2},
+                "the image is grey: find 1 or 2 thresholds by Otsu's method (grey_histogram shows them)")
         .option("--relabel", request.relabel, "labels to rename on reading, as 255=1,2=0")
-        .option("--crop", request.crop, "voxels to keep, as x0:x1,y0:y1,z0:z1 counted from 0, the second not included");
+        .option("--raw-size", request.raw_size, "the file is raw voxels, x fastest: their numbers, as 200x200x100")
+        .option("--raw-type", request.raw_type, "of raw voxels: uint8, int8, uint16 ... int64, float32, float64")
+        .choice("--raw-byte-order", request.raw_byte_order, {"little", "big"}, "of raw voxels")
+        .option("--raw-offset", request.raw_offset, cli::Unit::none, cli::not_negative,
+                "bytes before the first raw voxel")
+        .exclusive({"--threshold", "--otsu"});
 }
 
 VolumeOptions volume_options(const VolumeRequest& request) {
     VolumeOptions options;
-    const double z = request.slice_spacing > 0 ? request.slice_spacing : request.voxel_size;
-    options.voxel_size = {request.voxel_size, request.voxel_size, z};
-    if (cli::given("--threshold")) options.threshold = request.threshold;
+    options.voxel_size = {request.voxel_size, request.voxel_size,
+                          request.slice_spacing > 0 ? request.slice_spacing : 0.0};
+    if (request.slice_spacing > 0 && !(request.voxel_size > 0)) throw WrongUsage("--slice-spacing needs --voxel-size");
+    options.otsu_levels = static_cast<int>(request.otsu);
+    if (!request.threshold.empty()) options.thresholds = parse_thresholds("--threshold", request.threshold);
+    if (!request.bin.empty()) options.bin = parse_size("--bin", request.bin);
+    if (!request.raw_size.empty() || !request.raw_type.empty()) {
+        if (request.raw_size.empty() || request.raw_type.empty())
+            throw WrongUsage("raw voxels need both --raw-size and --raw-type");
+        const auto type = voxel_type(request.raw_type);
+        if (!type)
+            refuse("--raw-type", request.raw_type, "uint8, int8, uint16, int16, uint32, ..., float32 or float64");
+        options.raw = {parse_size("--raw-size", request.raw_size), *type, request.raw_byte_order == "big",
+                       request.raw_offset};
+    }
     if (!request.origin.empty()) {
         const auto parts = split(request.origin, ',');
         if (parts.size() != 3) refuse("--origin", request.origin, "three lengths with unit, as 0mm,0mm,1.2mm");
+        options.origin.emplace();
         for (int axis = 0; axis < 3; ++axis) try {
-                options.origin[axis] = units::length(parts[axis]);
+                (*options.origin)[axis] = units::length(parts[axis]);
             } catch (const InvalidInput& error) {
                 throw WrongUsage(fmt::format("--origin: {}", error.what()));
             }
     }
     if (!request.relabel.empty()) options.relabel = parse_relabel("--relabel", request.relabel);
-    if (!request.crop.empty()) options.region = parse_crop("--crop", request.crop);
+    if (!request.roi.empty()) options.region = parse_roi("--roi", request.roi);
     return options;
 }
 
@@ -111,7 +138,7 @@ std::vector<std::int32_t> parse_labels(const std::string& flag, const std::strin
     return labels;
 }
 
-std::array<VoxelIndex, 2> parse_crop(const std::string& flag, const std::string& text) {
+std::array<VoxelIndex, 2> parse_roi(const std::string& flag, const std::string& text) {
     const std::string expected = "x0:x1,y0:y1,z0:z1 in voxels with 0 <= x0 < x1, as 0:100,0:100,50:150";
     const auto parts = split(text, ',');
     if (parts.size() != 3) refuse(flag, text, expected);
@@ -126,6 +153,20 @@ std::array<VoxelIndex, 2> parse_crop(const std::string& flag, const std::string&
         region[1][axis] = end - first;
     }
     return region;
+}
+
+std::vector<double> parse_thresholds(const std::string& flag, const std::string& text) {
+    const std::string expected = "numbers that rise, as 83 or 83,140";
+    std::vector<double> thresholds;
+    for (const auto part : split(text, ',')) {
+        double value = 0;
+        const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+        if (error != std::errc() || end != part.data() + part.size() || !std::isfinite(value) ||
+            (!thresholds.empty() && value <= thresholds.back()))
+            refuse(flag, text, expected);
+        thresholds.push_back(value);
+    }
+    return thresholds;
 }
 
 VoxelIndex parse_size(const std::string& flag, const std::string& text) {

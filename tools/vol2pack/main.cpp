@@ -71,7 +71,7 @@ void run(const Request& request) {
         cli::report("small_components_removed", remove_small_components(volume, solid, request.min_component));
     }
 
-    options.seed_radius = request.pixels_per_seed * request.volume.voxel_size;
+    options.seed_radius = request.pixels_per_seed * volume.spacing()[0];
     options.filter = request.filter == "box" ? Filter::box : Filter::nearest;
     options.box_size = request.box_size * 2 * options.seed_radius;
     options.random_seed = static_cast<std::uint64_t>(request.random_seed);

@@ -21,6 +21,7 @@ cli::Usage usage(Request& request) {
         .option("--min-component", request.min_component, cli::Unit::voxels, cli::positive,
                 "also count the components of at least this size")
         .example("volume_info stack/ --voxel-size 2.4um")
+        .example("volume_info scan.h5:/exchange/data --voxel-size 2.4um --bin 4 --otsu 1")
         .example("volume_info grey.tif --voxel-size 19.5um --threshold 83 --json info.json");
     return usage;
 }
@@ -32,13 +33,14 @@ void run(const Request& request) {
     for (int axis = 0; axis < 3; ++axis) {
         const std::string name(1, "xyz"[axis]);
         cli::report("size_" + name, std::int64_t{size[axis]}, "voxels");
+        cli::report("voxel_size_" + name, 1e3 * volume.spacing()[axis], "um");
         cli::report("extent_" + name, extent[axis], "mm");
     }
     const auto histogram = volume.histogram();
     constexpr std::size_t most_labels = 16;
     if (histogram.size() > most_labels) {
         cli::report("label_count", static_cast<std::int64_t>(histogram.size()));
-        cli::warn("more than 16 labels: is this a grey image? give --threshold; nothing more is counted");
+        cli::warn("more than 16 labels: is this a grey image? give --threshold or --otsu; nothing more is counted");
         return;
     }
 

@@ -101,11 +101,12 @@ PYTHON
     echo "80 slices" > stack/README.md
     "$TOMODEM_BIN/volume_info" composite.tif --voxel-size 10um > multipage.txt
     "$TOMODEM_BIN/volume_info" stack/ --voxel-size 10um > folder.txt
-    cmp multipage.txt folder.txt
+    grep -q "^image: 80 slices of 80 x 80 voxels, uint8, folder of TIFF slices" folder.txt
+    cmp <(grep -v "^image" multipage.txt) <(grep -v "^image" folder.txt)
 }
 
 @test "cropping keeps the world coordinates" {
-    vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 1 --crop 10:30,20:40,30:50 \
+    vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 1 --roi 10:30,20:40,30:50 \
         --origin 1mm,0mm,0mm --quiet
     /usr/bin/python3 - <<'PYTHON'
 import h5py
@@ -136,8 +137,11 @@ PYTHON
     refused 1 "slice 's_2.tif' is 20 x 21" vol2pack brick.h5 stack out.h5 --voxel-size 1um --pixels-per-seed 2
 }
 
-@test "refuses a voxel size that is missing, zero, negative or without unit as wrong usage" {
-    refused 2 "--voxel-size" vol2pack brick.h5 composite.tif out.h5 --pixels-per-seed 2
+@test "refuses a voxel size that nobody gives, another than the file's, and one that is none" {
+    printf 'NDims = 3\nDimSize = 1 1 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\nabc' > unknown.mha
+    refused 1 "give it with --voxel-size" vol2pack brick.h5 unknown.mha out.h5 --pixels-per-seed 2
+    refused 1 "says that its voxels are 0.01 x 0.01 x 0.01 mm, but 0.003 mm are given" \
+        vol2pack brick.h5 composite.tif out.h5 --voxel-size 3um --pixels-per-seed 2
     refused 2 "--voxel-size" vol2pack brick.h5 composite.tif out.h5 --voxel-size 0um --pixels-per-seed 2
     refused 2 "--voxel-size" vol2pack brick.h5 composite.tif out.h5 --voxel-size=-3um --pixels-per-seed 2
     refused 2 "--voxel-size" vol2pack brick.h5 composite.tif out.h5 --voxel-size 3 --pixels-per-seed 2
@@ -161,7 +165,7 @@ PYTHON
 
 @test "refuses a crop outside the image, and a phase without particles" {
     refused 1 "does not fit" vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 2 \
-        --crop 0:81,0:80,0:80
+        --roi 0:81,0:80,0:80
     "$TOMODEM_BIN/phantom_inclusions" tiny.tif --size 40 --voxel-size 10um --count 1 --diameter 15um --quiet
     refused 1 "no particle; use fewer --pixels-per-seed" vol2pack brick.h5 tiny.tif out.h5 --voxel-size 10um \
         --pixels-per-seed 8 --quiet

@@ -24,7 +24,7 @@ class RealVolume : public testing::Test {
     LabelVolume read(const std::string& name, std::optional<double> threshold = {}) {
         VolumeOptions options;
         options.voxel_size = Vec3::Constant(0.003);
-        options.threshold = threshold;
+        if (threshold) options.thresholds = {*threshold};
         return read_label_volume(data / name, options);
     }
 

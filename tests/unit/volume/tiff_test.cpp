@@ -170,7 +170,7 @@ TEST_F(Tiff, OfFloatsIsThresholded) {
     write_tiff<float>(path, 2, 2, {0.4F, 0.5F, 0.6F, std::numeric_limits<float>::quiet_NaN()},
                       {.bits = 32, .sample_format = SAMPLEFORMAT_IEEEFP});
     VolumeOptions options = unit_voxels();
-    options.threshold = 0.5;
+    options.thresholds = {0.5};
     EXPECT_THAT(all_voxels(read_label_volume(path, options)), ElementsAre(0, 0, 1, 0));
     EXPECT_THAT([&] { read_label_volume(path, unit_voxels()); },
                 ThrowsMessage<InvalidInput>(AllOf(HasSubstr("grey.tif"), HasSubstr("give a threshold"))));
@@ -178,7 +178,7 @@ TEST_F(Tiff, OfFloatsIsThresholded) {
 
 TEST_F(Tiff, OfDoublesAndIntegersIsThresholded) {
     VolumeOptions options = unit_voxels();
-    options.threshold = 100;
+    options.thresholds = {100};
     write_tiff<double>(folder / "a.tif", 2, 1, {100.0, 100.0001}, {.bits = 64, .sample_format = SAMPLEFORMAT_IEEEFP});
     EXPECT_THAT(all_voxels(read_label_volume(folder / "a.tif", options)), ElementsAre(0, 1));
     write_tiff<std::uint8_t>(folder / "b.tif", 2, 1, {100, 101});
@@ -316,7 +316,7 @@ TEST_F(Tiff, RejectsLabelsBeyondTheLargest) {
                 ThrowsMessage<InvalidInput>(HasSubstr("above 2147483647")));
 }
 
-TEST_F(Tiff, RejectsAnImageJStackOfOnePage) {
+TEST_F(Tiff, RejectsAnImageJStackWithoutThePlanesThatItAnnounces) {
     TIFF* tiff = TIFFOpen((folder / "a.tif").c_str(), "w");
     TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 2);
     TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 1);
@@ -328,7 +328,7 @@ TEST_F(Tiff, RejectsAnImageJStackOfOnePage) {
     TIFFWriteScanline(tiff, row.data(), 0, 0);
     TIFFClose(tiff);
     EXPECT_THAT([&] { read_label_volume(folder / "a.tif", unit_voxels()); },
-                ThrowsMessage<InvalidInput>(HasSubstr("says that it holds 3 slices but it has 1 page")));
+                ThrowsMessage<InvalidInput>(HasSubstr("says that it holds 3 slices but there is one page")));
 }
 
 class SliceFolder : public InTemporaryFolder {

@@ -15,10 +15,10 @@ TEST(VolumeOptions, AreReadFromTheirTexts) {
     request.voxel_size = 0.01;
     request.origin = "1mm, 0mm,500um";
     request.relabel = "255=1,2=0";
-    request.crop = "0:10,5:7,1:100";
+    request.roi = "0:10,5:7,1:100";
     const VolumeOptions options = volume_options(request);
-    EXPECT_EQ(options.voxel_size, Vec3::Constant(0.01));
-    EXPECT_TRUE(options.origin.isApprox(Vec3(1, 0, 0.5)));
+    EXPECT_EQ(options.voxel_size, Vec3(0.01, 0.01, 0)) << "z: as the file says, or as x";
+    EXPECT_TRUE(options.origin->isApprox(Vec3(1, 0, 0.5)));
     EXPECT_THAT(options.relabel, ElementsAre(Pair(2, 0), Pair(255, 1)));
     EXPECT_EQ((*options.region)[0], (VoxelIndex{0, 5, 1}));
     EXPECT_EQ((*options.region)[1], (VoxelIndex{10, 2, 99}));
@@ -40,10 +40,10 @@ TEST(VolumeOptions, RejectAnOriginWithoutUnit) {
     EXPECT_THAT([&] { volume_options(request); }, ThrowsMessage<WrongUsage>(HasSubstr("three lengths")));
 }
 
-TEST(Crop, RejectsWhatIsEmptyOrBackward) {
+TEST(RegionOfInterest, RejectsWhatIsEmptyOrBackward) {
     for (const char* text :
          {"", "0:1,0:1", "0:1,0:1,0:1,0:1", "1:1,0:1,0:1", "3:1,0:1,0:1", "-1:1,0:1,0:1", "0-1,0:1,0:1", "a:b,0:1,0:1"})
-        EXPECT_THAT([&] { parse_crop("--crop", text); }, ThrowsMessage<WrongUsage>(HasSubstr("x0:x1"))) << text;
+        EXPECT_THAT([&] { parse_roi("--roi", text); }, ThrowsMessage<WrongUsage>(HasSubstr("x0:x1"))) << text;
 }
 
 TEST(LabelNames, AreReadAndChecked) {
