@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/volume_source.hpp"
@@ -47,6 +48,11 @@ struct GreyHistogram {
 /// @throws InvalidInput if there is no number in it
 /// @note   passes over the file once, or twice for other values
 GreyHistogram grey_histogram(GreySlabs& slabs);
+
+struct VolumeOptions;
+
+/// The same for the part of a file that the options keep: region and bin count, thresholds do not.
+GreyHistogram read_grey_histogram(const std::string& spec, const VolumeOptions& options);
 
 /// Otsu's thresholds (IEEE Trans. SMC 9 (1979) 62): the classes that they cut have the largest variance between them.
 /// A value belongs to the class of the number of thresholds that it is above.

@@ -159,6 +159,12 @@ void vote(const std::vector<std::int32_t>& stored, std::int64_t width, std::int3
 
 }  // namespace
 
+GreyHistogram read_grey_histogram(const std::string& spec, const VolumeOptions& options) {
+    const auto source = open_volume(spec, options.raw);
+    GreySlabs slabs(*source, region_of(spec, source->header().size, options), options.bin);
+    return grey_histogram(slabs);
+}
+
 LabelVolume read_label_volume(const std::string& spec, const VolumeOptions& options) {
     const auto source = open_volume(spec, options.raw);
     const VolumeHeader& header = source->header();

@@ -1,6 +1,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -40,6 +41,11 @@ struct RawVoxels {
 };
 /// @throws InvalidInput if the files are not as long as the header says
 Source open_raw(VolumeHeader header, RawVoxels where);
+
+/// Reads through a process of its own: on a damaged file some libraries run over their memory instead of saying so, and
+/// that becomes one line as well.
+/// @param library  to be named in that line
+Source in_own_process(const fs::path& path, const char* library, const std::function<Source()>& open_source);
 
 /// Puts the numbered files of one series in order.
 /// @throws InvalidInput if the names differ by more than one number, a number is missing or there twice

@@ -240,7 +240,7 @@ class Hdf5Source : public VolumeSource {
 }  // namespace
 
 Source open_hdf5(const fs::path& file, const std::string& dataset) {
-    return std::make_unique<Hdf5Source>(file, dataset);
+    return in_own_process(file, "HDF5", [&] { return std::make_unique<Hdf5Source>(file, dataset); });
 }
 
 }  // namespace tomodem::formats

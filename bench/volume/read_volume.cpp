@@ -1,0 +1,29 @@
+// Reads a volume as every tool does and says what it cost: one process, so that its peak memory is that of reading.
+//
+// usage: bench_read_volume VOLUME [THRESHOLD]
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <chrono>
+
+#include "core/cli.hpp"
+#include "core/volume.hpp"
+
+int main(int argc, char** argv) {
+    using namespace tomodem;
+    if (argc < 2) return 2;
+    cli::silence();
+    VolumeOptions options;
+    options.voxel_size = Vec3(1e-3, 1e-3, 0);
+    if (argc > 2) options.thresholds = {std::stod(argv[2])};
+    const auto start = std::chrono::steady_clock::now();
+    const LabelVolume volume = read_label_volume(argv[1], options);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    rusage own{};
+    getrusage(RUSAGE_SELF, &own);
+    const VoxelIndex size = volume.size();
+    const double voxels = double(size[0]) * size[1] * size[2];
+    fmt::print("{:.0f} million voxels/s, {:.2f} s, peak {:.2f} GB, labels {:.2f} GB ({:.2f} bytes a voxel)\n",
+               voxels / seconds / 1e6, seconds, 1024e-9 * static_cast<double>(own.ru_maxrss),
+               1e-9 * static_cast<double>(volume.memory()), static_cast<double>(volume.memory()) / voxels);
+}

@@ -1,0 +1,57 @@
+// grey_histogram: how often each grey value occurs in a tomography, and where to cut.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "core/cli.hpp"
+#include "core/grey_histogram.hpp"
+#include "core/volume_cli.hpp"
+#include "tools/grey_histogram/chart.hpp"
+
+namespace {
+using namespace tomodem;
+
+struct Request {
+    VolumeRequest volume;
+    std::filesystem::path picture;
+};
+
+cli::Usage usage(Request& request) {
+    cli::Usage usage("grey_histogram", "Histogram of a grey tomography as a picture, with the thresholds that cut it.");
+    add_volume(usage, request.volume)
+        .output("picture", request.picture, "picture to write (.png)")
+        .example("grey_histogram grey.tif histogram.png                     # Otsu's threshold")
+        .example("grey_histogram scan.h5 histogram.png --otsu 2 --bin 4     # two of them, of a coarser image")
+        .example("grey_histogram grey/ histogram.png --threshold 83,140     # what your own thresholds give");
+    return usage;
+}
+
+void run(const Request& request) {
+    VolumeOptions options = volume_options(request.volume);
+    const GreyHistogram histogram = read_grey_histogram(request.volume.path, options);
+    if (options.thresholds.empty()) options.thresholds = otsu_thresholds(histogram, std::max(1, options.otsu_levels));
+
+    cli::report("voxels", histogram.voxels());
+    if (histogram.not_a_number > 0) cli::report("not_a_number", histogram.not_a_number);
+    std::vector<std::int64_t> classes(options.thresholds.size() + 1);
+    for (std::size_t bin = 0; bin < histogram.counts.size(); ++bin) {
+        std::size_t label = 0;
+        for (const double threshold : options.thresholds) label += histogram.upper(bin) > threshold;
+        classes[label] += histogram.counts[bin];
+    }
+    for (std::size_t i = 0; i < options.thresholds.size(); ++i)
+        cli::report(fmt::format("threshold_{}", i + 1), options.thresholds[i]);
+    for (std::size_t i = 0; i < classes.size(); ++i)
+        cli::report(fmt::format("fraction_label_{}", i),
+                    100.0 * static_cast<double>(classes[i]) / static_cast<double>(histogram.voxels()), "%");
+    cli::report_json("counts", fmt::format("[{}]", fmt::join(histogram.counts, ", ")));
+    cli::report("first_bin", histogram.low);
+    cli::report("bin_width", histogram.width);
+    draw_histogram(histogram, options.thresholds, request.picture);
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+    return cli::main(argc, argv, usage, run);
+}
