@@ -334,8 +334,8 @@ TEST(Compaction, OfWalledSpheresTouchesTheWalls) {
     EXPECT_GT(static_cast<double>(above), 0.5 * section);
 }
 
-// With an affine squeeze and equal stiffness, more dispersed spheres jam denser: from 0.64 to about 0.65 at 20 %
-// (Hermes & Dijkstra, EPL 89 (2010) 38005), so at one density they overlap less.
+// Dispersed spheres jam denser, by about 0.013 at 20 % (Desmond & Weeks, Phys. Rev. E 90 (2014) 022204), so at one
+// density they overlap less.
 TEST(Compaction, OfDispersedSpheresIsLooserAtTheSameDensity) {
     const auto overlap = [](double dispersion) {
         return contact_statistics(
