@@ -167,7 +167,7 @@ for axis in range(3):
     refused 2 "--aspect '1:x:1'" a.h5 --particles 100 --density 0.6 --aspect 1:x:1
     refused 2 "--periodic 'xx'" a.h5 --particles 100 --density 0.6 --periodic xx
     refused 2 "--periodic 'w'" a.h5 --particles 100 --density 0.6 --periodic w
-    refused 2 "--dispersion 25 is out of range" a.h5 --particles 100 --density 0.6 --dispersion 25%
+    refused 2 "--dispersion 25% is out of range" a.h5 --particles 100 --density 0.6 --dispersion 25%
     refused 1 "at most 100 times" a.h5 --particles 1000 --density 0.6 --aspect 1:1:101
     refused 1 "shortest edge is 1.59 seed diameters" a.h5 --particles 50 --density 0.65 --aspect 1:1:10
 }
