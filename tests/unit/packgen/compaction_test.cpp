@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <ostream>
 
 #include "core/error.hpp"
 #include "core/structure.hpp"
@@ -203,6 +204,11 @@ struct Shape {
     std::array<double, 3> aspect;
     std::array<bool, 3> periodic;
 };
+
+void PrintTo(const Shape& shape, std::ostream* out) {
+    *out << "dispersion " << shape.dispersion << " aspect " << shape.aspect[0] << ":" << shape.aspect[1] << ":"
+         << shape.aspect[2] << " periodic " << shape.periodic[0] << shape.periodic[1] << shape.periodic[2];
+}
 
 class AnyShape : public testing::TestWithParam<Shape> {
  protected:
