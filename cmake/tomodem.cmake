@@ -41,14 +41,15 @@ function(tomodem_parallel_test name)
 endfunction()
 
 # tomodem_script_test(FILE LABEL ...): a bats file, run through the built executables.
-# TOMODEM_BIN is the folder of the executables, TOMODEM_SOURCE the repository.
+# TOMODEM_BIN is the folder of the executables, TOMODEM_SOURCE the repository. The user's cache is out of reach: no folder
+# can be made there.
 function(tomodem_script_test file label)
     cmake_path(GET file STEM stem)
     cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
     set(test_name ${label}/${folder}/${stem})
     add_test(NAME ${test_name} COMMAND bats ${CMAKE_CURRENT_SOURCE_DIR}/${file})
     set_tests_properties(${test_name} PROPERTIES LABELS ${label} TIMEOUT 3600
-        ENVIRONMENT "TOMODEM_BIN=${CMAKE_BINARY_DIR}/bin;TOMODEM_LIB=${CMAKE_BINARY_DIR}/lib;TOMODEM_SOURCE=${PROJECT_SOURCE_DIR};OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1")
+        ENVIRONMENT "TOMODEM_BIN=${CMAKE_BINARY_DIR}/bin;TOMODEM_LIB=${CMAKE_BINARY_DIR}/lib;TOMODEM_SOURCE=${PROJECT_SOURCE_DIR};XDG_CACHE_HOME=/dev/null/none;OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1")
 endfunction()
 
 add_library(tomodem_warnings INTERFACE)

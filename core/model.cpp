@@ -155,6 +155,21 @@ double strain_per_step_for(const Scene& scene, double equilibrium_error) {
     return strain_per_step;
 }
 
+/// A sample brings its radii, or they are drawn.
+void check_radii(const Scene& scene, const Packing& sample) {
+    if (sample.radius.empty()) return;
+    if (scene.radius_dispersion > 0)
+        throw InvalidInput(
+            fmt::format("scene '{}': radius_dispersion = {:g} but the particles of the sample have radii of their own; "
+                        "remove the key, or make the brick without --dispersion",
+                        scene.path.string(), scene.radius_dispersion));
+    if (scene.law() == Law::norton)
+        throw InvalidInput(
+            fmt::format("scene '{}': law \"norton\" is made for equal radii but the particles of the sample have radii "
+                        "of their own; make the brick without --dispersion",
+                        scene.path.string()));
+}
+
 }  // namespace
 
 Model compile_model(const Scene& scene, const Packing& sample) {
@@ -181,6 +196,7 @@ Model compile_model(const Scene& scene, const Packing& sample) {
         if (phase.natural_period)
             time_step = std::min(time_step, *phase.natural_period / least_steps_per_period(phase.law));
     model.trilin = scene.law() == Law::trilin;
+    check_radii(scene, sample);
     model.radius_dispersion = scene.radius_dispersion;
     model.self_contact = scene.self_contact;
     model.healing_time = scene.healing_time;

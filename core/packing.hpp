@@ -17,20 +17,24 @@ struct Box {
     double volume() const { return edges.prod(); }
 };
 
-/// Equal spheres with labels. All lengths in mm, world coordinates (those of the tomography where there was one).
+/// Spheres with labels, equal unless they have radii of their own. All lengths in mm, world coordinates (those of the
+/// tomography where there was one).
 ///
-/// Arrays have one entry a particle, sorted by id; `object` is empty where objects are not told apart.
+/// Arrays have one entry a particle, sorted by id; `object` is empty where objects are not told apart, `radius` where
+/// all spheres are equal.
 struct Packing {
     Box box;                   ///< the region that was filled; edges[0] * edges[1] is the initial section
-    double seed_radius = 0.0;  ///< r_s [mm]
+    double seed_radius = 0.0;  ///< r_s [mm]; of spheres with radii of their own the mean in the brick they come from
     std::vector<Vec3> position;
     std::vector<std::int32_t> species;  ///< label of the phase in the image
     std::vector<std::int64_t> id;       ///< unique, from 1
     std::vector<std::int32_t> object;   ///< 0: belongs to no object of its own
     bool relaxed = false;               ///< the free sample is at rest under its law
+    std::vector<double> radius{};       ///< [mm]
 
     std::size_t size() const { return position.size(); }
-    /// D = N pi d^3 / (6 V), d = 2 r_s (method: control numbers).
+    double radius_of(std::size_t particle) const { return radius.empty() ? seed_radius : radius[particle]; }
+    /// D: volume of the spheres over that of the box, N pi d^3 / (6 V) for equal ones (method: control numbers).
     double density() const;
 };
 

@@ -115,6 +115,7 @@ RunReader::RunReader(const fs::path& path) {
     packing.species = reader.array<std::int32_t>("/particles/all/species");
     packing.id = reader.array<std::int64_t>("/particles/all/id");
     if (reader.exists("/particles/all/object")) packing.object = reader.array<std::int32_t>("/particles/all/object");
+    if (reader.exists("/particles/all/radius")) packing.radius = reader.array<double>("/particles/all/radius");
     const auto seed_radius = reader.number_attribute<double>("/particles/all", "seed_radius");
     if (!seed_radius) reader.fail("/particles/all has no attribute seed_radius");
     packing.seed_radius = *seed_radius;

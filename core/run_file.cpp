@@ -68,6 +68,12 @@ void require_sound_packing(const Packing& packing, const std::string& where) {
     if (packing.id.size() != n) fail(fmt::format("{} ids for {} positions", packing.id.size(), n));
     if (!packing.object.empty() && packing.object.size() != n)
         fail(fmt::format("{} object numbers for {} positions", packing.object.size(), n));
+    if (!packing.radius.empty() && packing.radius.size() != n)
+        fail(fmt::format("{} radii for {} positions", packing.radius.size(), n));
+    for (std::size_t i = 0; i < packing.radius.size(); ++i)
+        if (!(packing.radius[i] > 0.0) || !std::isfinite(packing.radius[i]))
+            fail(fmt::format("the radius of particle {} (counted from 1) is {:g}: expected a positive length", i + 1,
+                             packing.radius[i]));
     for (std::size_t i = 1; i < n; ++i)
         if (packing.id[i] <= packing.id[i - 1])
             fail(fmt::format("ids are not unique and increasing: {} follows {}", packing.id[i], packing.id[i - 1]));
@@ -114,6 +120,10 @@ void create_run_file(const Packing& packing, const RunShape& shape, const Proven
     writer.dataset(all, "species", {n}, packing.species.data());
     writer.dataset(all, "id", {n}, packing.id.data());
     if (!packing.object.empty()) writer.dataset(all, "object", {n}, packing.object.data());
+    if (!packing.radius.empty()) {
+        const Hdf5Handle radius = writer.dataset(all, "radius", {n}, packing.radius.data());
+        writer.attribute(radius, "unit", std::string("mm"));
+    }
 
     {
         Hdf5Handle group = writer.group(all, "position");

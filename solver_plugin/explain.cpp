@@ -37,8 +37,10 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
         model.phases.size() > 1 ? fmt::format("{} phases, mixed pairs take the averages", model.phases.size())
                                 : "one phase of several objects",
         "one phase: one set of constants for every pair");
-    add("dispersed_radii", model.radius_dispersion > 0,
-        fmt::format("radius_dispersion = {:g}", model.radius_dispersion), "equal radii: seed and crown are constants");
+    add("dispersed_radii", model.radius_dispersion > 0 || !sample.radius.empty(),
+        sample.radius.empty() ? fmt::format("radius_dispersion = {:g}", model.radius_dispersion)
+                              : std::string("the sample's particles have radii of their own"),
+        "equal radii: seed and crown are constants");
     add("objects_that_do_not_attract", model.between_objects, "between_objects = true in [contact]",
         "everything belongs together");
     add("self_contact", model.self_contact, "self_contact = true in [contact]: outward vectors and interfaces",

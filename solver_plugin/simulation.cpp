@@ -55,7 +55,9 @@ Simulation::Simulation(const Packing& sample, const Model& model, int load_axis,
     command("region everywhere block" + corners + " units box");
     command(fmt::format("create_box {} everywhere", model.phases.size()));
     s.create_particles(sample);
-    const double largest_factor = 1 + 3 * model.radius_dispersion;
+    const double largest_factor = sample.radius.empty()
+                                      ? 1 + 3 * model.radius_dispersion
+                                      : *std::max_element(s.radius_factors.begin(), s.radius_factors.end());
     // How far the box may shrink: its neighbour bins must hold a crown and a skin even where the sample is flat.
     const double least = 2 * model.crown_radius * largest_factor + skin_over_seed(model) * model.seed_radius;
     LAMMPS_NS::Domain& domain = *s.session.lmp().domain;

@@ -35,7 +35,8 @@ Simulation::State::State(const Packing& sample, const Model& model, int axis, MP
     if (model.between_objects) object = sample.object;
     for (const PhaseModel& phase : model.phases)
         hardening.push_back(phase.hardening ? phase.hardening->factor(0) : 1.0);
-    if (model.radius_dispersion > 0)
+    for (const double radius : sample.radius) radius_factors.push_back(radius / sample.seed_radius);
+    if (model.radius_dispersion > 0 && sample.radius.empty())
         for (const std::int64_t id : sample.id) radius_factors.push_back(radius_factor(id, model.radius_dispersion));
 }
 
@@ -69,7 +70,7 @@ void Simulation::State::use_laws() {
     }
     PairLaws laws;
     laws.type_count = static_cast<int>(model.phases.size());
-    laws.dispersed = model.radius_dispersion > 0;
+    laws.dispersed = !radius_factors.empty();
     laws.seed_to_crown = model.seed_radius / model.crown_radius;
     std::vector<law::Pair> own;
     for (std::size_t k = 0; k < model.phases.size(); ++k)

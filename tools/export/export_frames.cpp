@@ -18,7 +18,8 @@ namespace {
 void write_vtp_frame(const RunReader& run, std::size_t index, const fs::path& path) {
     const Packing& packing = run.packing();
     const Frame frame = run.frame(index);
-    const std::vector<double> radius(packing.size(), packing.seed_radius);
+    const std::vector<double> radius =
+        packing.radius.empty() ? std::vector<double>(packing.size(), packing.seed_radius) : packing.radius;
     std::vector<PointArray> arrays{{"species", std::span<const std::int32_t>(packing.species)},
                                    {"id", std::span<const std::int64_t>(packing.id)},
                                    {"radius", std::span<const double>(radius)}};
@@ -78,7 +79,7 @@ void export_dump(const RunReader& run, const std::vector<std::size_t>& frames, c
         for (std::size_t i = 0; i < packing.size(); ++i) {
             const Vec3& p = frame.position[i];
             fmt::format_to(end, "{} {} {} {} {} {} {}\n", packing.id[i], packing.species[i], p.x(), p.y(), p.z(),
-                           packing.seed_radius, packing.object.empty() ? 0 : packing.object[i]);
+                           packing.radius_of(i), packing.object.empty() ? 0 : packing.object[i]);
         }
         out.text({text.data(), text.size()});
         if (done) done(count + 1);

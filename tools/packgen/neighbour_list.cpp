@@ -2,28 +2,37 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tomodem::packgen {
 
 namespace {
 
-double wrapped(double s) {
-    s -= std::floor(s);
-    return s < 1.0 ? s : 0.0;  // -1e-17 wraps to 1
+double wrapped(double s, double edge) {
+    s -= edge * std::floor(s / edge);
+    return s < edge ? s : 0.0;  // -1e-17 wraps to the edge
 }
 
-int cell_coordinate(double s, int cells) {
-    return std::min(static_cast<int>(s * cells), cells - 1);
+int cell_coordinate(double s, int cells, double edge) {
+    return std::clamp(static_cast<int>(s * cells / edge), 0, cells - 1);
 }
 
 }  // namespace
 
-void NeighbourList::build(std::vector<Row>& position, std::vector<Row>& travellers, double cutoff, ThreadTeam& team) {
+void NeighbourList::build(std::vector<Row>& position, std::vector<Row>& travellers, double cutoff, ThreadTeam& team,
+                          const Region& region, double diameter, double skin) {
     cutoff_ = cutoff;
+    region_ = region;
+    diameter_ = diameter;
+    skin_ = skin;
     const std::size_t particles = position.size();
     // Larger cells than necessary in a gas, where there would be many more cells than particles.
-    cells_ = static_cast<int>(std::min(1.0 / cutoff, std::ceil(std::cbrt(static_cast<double>(particles)))));
-    if (cells_ < 3) cells_ = 1;
+    const double one_each = std::cbrt(static_cast<double>(particles) / region.volume());
+    for (int axis = 0; axis < 3; ++axis) {
+        const double edge = region.edges[axis];
+        cells_[axis] = static_cast<int>(std::max(1.0, std::min(edge / cutoff, std::ceil(edge * one_each))));
+        if (region.periodic[axis] && cells_[axis] < 3) cells_[axis] = 1;
+    }
     sort_by_cell(position, travellers, team);
     chunks_.resize((particles + chunk_size - 1) / chunk_size);
     team.for_each(chunks_.size(), [&](std::size_t k) {
@@ -49,13 +58,17 @@ void NeighbourList::sort_by_cell(std::vector<Row>& position, std::vector<Row>& t
             for (std::size_t i = k * chunk_size; i < end; ++i) work(i);
         });
     };
+    const auto& [edge_x, edge_y, edge_z] = region_.edges;
     for_particles([&](std::size_t i) {
         Row& p = position[i];
-        p = {wrapped(p.x), wrapped(p.y), wrapped(p.z), 0.0};
-        const int x = cell_coordinate(p.x, cells_), y = cell_coordinate(p.y, cells_), z = cell_coordinate(p.z, cells_);
-        cell_of_[i] = (z * cells_ + y) * cells_ + x;
+        if (region_.periodic[0]) p.x = wrapped(p.x, edge_x);
+        if (region_.periodic[1]) p.y = wrapped(p.y, edge_y);
+        if (region_.periodic[2]) p.z = wrapped(p.z, edge_z);
+        const int x = cell_coordinate(p.x, cells_[0], edge_x), y = cell_coordinate(p.y, cells_[1], edge_y),
+                  z = cell_coordinate(p.z, cells_[2], edge_z);
+        cell_of_[i] = (z * cells_[1] + y) * cells_[0] + x;
     });
-    cell_start_.assign(static_cast<std::size_t>(cells_) * cells_ * cells_ + 1, 0);
+    cell_start_.assign(static_cast<std::size_t>(cells_[0]) * cells_[1] * cells_[2] + 1, 0);
     for (const std::int32_t cell : cell_of_) ++cell_start_[static_cast<std::size_t>(cell) + 1];
     for (std::size_t c = 1; c < cell_start_.size(); ++c) cell_start_[c] += cell_start_[c - 1];
     // Counting sort; afterwards cell_start_[c] holds the start of c + 1, so the array is shifted back by one.
@@ -69,28 +82,39 @@ void NeighbourList::sort_by_cell(std::vector<Row>& position, std::vector<Row>& t
     }
 }
 
+bool NeighbourList::folded() const {
+    for (int axis = 0; axis < 3; ++axis)
+        if (region_.periodic[axis] && cells_[axis] == 1) return true;
+    return false;
+}
+
 void NeighbourList::fill(Chunk& chunk, std::size_t first, std::size_t count, const std::vector<Row>& position) const {
     chunk.entries.clear();
     chunk.first_block.assign(1, 0);
     chunk.at_boundary.resize(count);
     std::vector<std::int32_t> found;
+    const auto near_some =
+        folded() ? (region_.equal_radii ? &NeighbourList::near<true, true> : &NeighbourList::near<true, false>)
+                 : (region_.equal_radii ? &NeighbourList::near<false, true> : &NeighbourList::near<false, false>);
     for (std::size_t k = 0; k < count; ++k) {
         const std::size_t i = first + k;
         const Row& p = position[i];
-        const auto outermost = [&](double s) {
-            const int c = cell_coordinate(s, cells_);
-            return c == 0 || c == cells_ - 1;
+        const auto outermost = [&](int axis, double s) {
+            const int c = cell_coordinate(s, cells_[axis], region_.edges[axis]);
+            return region_.periodic[axis] && (c == 0 || c == cells_[axis] - 1);
         };
-        chunk.at_boundary[k] = outermost(p.x) || outermost(p.y) || outermost(p.z);
-        const std::size_t length = cells_ < 3 ? near_all(position, i, found) : near_cells(position, i, found);
+        chunk.at_boundary[k] = outermost(0, p.x) || outermost(1, p.y) || outermost(2, p.z);
+        const std::size_t length = (this->*near_some)(position, i, found);
         chunk.entries.insert(chunk.entries.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(length));
         chunk.entries.resize((chunk.entries.size() + 3) / 4 * 4, static_cast<std::int32_t>(i));
         chunk.first_block.push_back(static_cast<std::uint32_t>(chunk.entries.size() / 4));
     }
 }
 
-std::size_t NeighbourList::near_cells(const std::vector<Row>& position, std::size_t i,
-                                      std::vector<std::int32_t>& found) const {
+/// `folded`: some periodic edge has one cell, whose particles may be near through either of its ends.
+template <bool folded, bool equal_radii>
+std::size_t NeighbourList::near(const std::vector<Row>& position, std::size_t i,
+                                std::vector<std::int32_t>& found) const {
     const Row& p = position[i];
     const double cutoff_squared = cutoff_ * cutoff_;
     std::size_t length = 0;
@@ -102,36 +126,45 @@ std::size_t NeighbourList::near_cells(const std::vector<Row>& position, std::siz
             found.resize(2 * (length + static_cast<std::size_t>(end - begin)));
         for (std::int32_t j = begin; j < end; ++j) {
             const Row& q = position[static_cast<std::size_t>(j)];
-            const double dx = x - q.x, dy = y - q.y, dz = z - q.z;
+            double dx = x - q.x, dy = y - q.y, dz = z - q.z;
+            if constexpr (folded) {
+                dx = region_.nearest(0, dx);
+                dy = region_.nearest(1, dy);
+                dz = region_.nearest(2, dz);
+            }
+            double near_squared = cutoff_squared;
+            if constexpr (!equal_radii) {
+                const double near = std::min(cutoff_, (p.radius + q.radius) * diameter_ + skin_);
+                near_squared = near * near;
+            }
             found[length] = j;
-            length += static_cast<std::size_t>((dx * dx + dy * dy + dz * dz < cutoff_squared) &
+            length += static_cast<std::size_t>((dx * dx + dy * dy + dz * dz < near_squared) &
                                                (static_cast<std::size_t>(j) != i));
         }
     };
-    const int cx = cell_coordinate(p.x, cells_), cy = cell_coordinate(p.y, cells_), cz = cell_coordinate(p.z, cells_);
-    for (int oz = -1; oz <= 1; ++oz) {
-        const int wrap_z = cz + oz < 0 ? 1 : cz + oz == cells_ ? -1 : 0;
-        for (int oy = -1; oy <= 1; ++oy) {
-            const int wrap_y = cy + oy < 0 ? 1 : cy + oy == cells_ ? -1 : 0;
-            const std::int32_t row = ((cz + oz + wrap_z * cells_) * cells_ + cy + oy + wrap_y * cells_) * cells_;
-            const double y = p.y + wrap_y, z = p.z + wrap_z;
-            if (cx == 0) scan(row, cells_ - 1, cells_, p.x + 1.0, y, z);
-            scan(row, std::max(cx - 1, 0), std::min(cx + 2, cells_), p.x, y, z);
-            if (cx == cells_ - 1) scan(row, 0, 1, p.x - 1.0, y, z);
-        }
+    const std::array<double, 3> at{p.x, p.y, p.z};
+    std::array<int, 3> cell, low, high;  // offsets of the cells to look at
+    for (int axis = 0; axis < 3; ++axis) {
+        cell[axis] = cell_coordinate(at[axis], cells_[axis], region_.edges[axis]);
+        const bool alone = cells_[axis] == 1, walls = !region_.periodic[axis];
+        low[axis] = alone || (walls && cell[axis] == 0) ? 0 : -1;
+        high[axis] = alone || (walls && cell[axis] == cells_[axis] - 1) ? 0 : 1;
     }
-    return length;
-}
-
-std::size_t NeighbourList::near_all(const std::vector<Row>& position, std::size_t i,
-                                    std::vector<std::int32_t>& found) const {
-    const auto nearest = [](double s) { return s - std::nearbyint(s); };
-    found.resize(position.size());
-    std::size_t length = 0;
-    for (std::size_t j = 0; j < position.size(); ++j) {
-        const double dx = nearest(position[i].x - position[j].x), dy = nearest(position[i].y - position[j].y),
-                     dz = nearest(position[i].z - position[j].z);
-        if (j != i && dx * dx + dy * dy + dz * dz < cutoff_ * cutoff_) found[length++] = static_cast<std::int32_t>(j);
+    const auto wrap = [&](int axis, int offset) {
+        return cell[axis] + offset < 0 ? 1 : cell[axis] + offset == cells_[axis] ? -1 : 0;
+    };
+    const int nx = cells_[0], cx = cell[0];
+    for (int oz = low[2]; oz <= high[2]; ++oz) {
+        const int wrap_z = wrap(2, oz);
+        for (int oy = low[1]; oy <= high[1]; ++oy) {
+            const int wrap_y = wrap(1, oy);
+            const std::int32_t row =
+                ((cell[2] + oz + wrap_z * cells_[2]) * cells_[1] + cell[1] + oy + wrap_y * cells_[1]) * nx;
+            const double y = p.y + wrap_y * region_.edges[1], z = p.z + wrap_z * region_.edges[2];
+            if (cx + low[0] < 0) scan(row, nx - 1, nx, p.x + region_.edges[0], y, z);
+            scan(row, std::max(cx - 1, 0), std::min(cx + 2, nx), p.x, y, z);
+            if (cx + high[0] == nx) scan(row, 0, 1, p.x - region_.edges[0], y, z);
+        }
     }
     return length;
 }

@@ -8,19 +8,21 @@
 
 namespace tomodem::packgen {
 
-/// Full neighbour lists in a periodic unit cube, in chunks of consecutive particles that are built independently.
+/// Full neighbour lists in a box, in chunks of consecutive particles that are built independently.
 ///
 /// The order of the neighbours depends on the positions only. Time O(N) when the cutoff is short against the box.
 class NeighbourList {
  public:
     static constexpr std::size_t chunk_size = 128;
 
-    /// Wraps the positions into [0, 1), sorts the particles by cell (rows that travel with them too), and lists for
-    /// each particle all others whose nearest image is closer than the cutoff.
+    /// Wraps the positions into the box along its periodic axes, sorts the particles by cell (rows that travel with
+    /// them too), and lists for each particle all others whose nearest image is closer than the cutoff, and with radii
+    /// of their own closer than (r_i + r_j) diameter + skin.
     ///
     /// @param travellers  an array of the same length that is sorted along
-    /// @param cutoff      fraction of the box edge, at most 1/2
-    void build(std::vector<Row>& position, std::vector<Row>& travellers, double cutoff, ThreadTeam& team);
+    /// @param cutoff      at most half of the shortest periodic edge
+    void build(std::vector<Row>& position, std::vector<Row>& travellers, double cutoff, ThreadTeam& team,
+               const Region& region = {}, double diameter = 0.0, double skin = 0.0);
 
     double cutoff() const { return cutoff_; }
     std::size_t chunk_count() const { return chunks_.size(); }
@@ -36,11 +38,13 @@ class NeighbourList {
     };
     void sort_by_cell(std::vector<Row>& position, std::vector<Row>& travellers, ThreadTeam& team);
     void fill(Chunk& chunk, std::size_t first, std::size_t count, const std::vector<Row>& position) const;
-    std::size_t near_cells(const std::vector<Row>& position, std::size_t i, std::vector<std::int32_t>& found) const;
-    std::size_t near_all(const std::vector<Row>& position, std::size_t i, std::vector<std::int32_t>& found) const;
+    template <bool folded, bool equal_radii>
+    std::size_t near(const std::vector<Row>& position, std::size_t i, std::vector<std::int32_t>& found) const;
+    bool folded() const;
 
-    double cutoff_ = 0.0;
-    int cells_ = 0;  // along an edge; fewer than 3: no cells, all pairs
+    double cutoff_ = 0.0, diameter_ = 0.0, skin_ = 0.0;
+    Region region_;
+    std::array<int, 3> cells_{};  // along each edge; one along a periodic edge too short for three
     std::vector<std::int32_t> cell_of_, order_;
     std::vector<std::int32_t> cell_start_;
     std::vector<Row> sorted_;

@@ -105,6 +105,7 @@ class Labeller {
 struct Piece {
     std::vector<Vec3> position;
     std::vector<std::int32_t> species, component;
+    std::vector<double> radius;
     std::map<std::int32_t, std::int64_t> labelled;
 };
 
@@ -153,6 +154,8 @@ Sample sample_volume(const LabelVolume& volume, const Packing& brick, const Samp
             if (label == 0) continue;
             piece.position.push_back(position);
             piece.species.push_back(label);
+            if (!brick.radius.empty())
+                piece.radius.push_back(brick.radius[i] * (options.seed_radius / brick.seed_radius));
             if (components)
                 piece.component.push_back(
                     std::binary_search(options.object_labels.begin(), options.object_labels.end(), label)
@@ -173,6 +176,7 @@ Sample sample_volume(const LabelVolume& volume, const Packing& brick, const Samp
     for (Piece& piece : pieces) {
         packing.position.insert(packing.position.end(), piece.position.begin(), piece.position.end());
         packing.species.insert(packing.species.end(), piece.species.begin(), piece.species.end());
+        packing.radius.insert(packing.radius.end(), piece.radius.begin(), piece.radius.end());
         packing.object.insert(packing.object.end(), piece.component.begin(), piece.component.end());
         for (const auto& [label, particles] : piece.labelled) {
             sample.labelled[label] += particles;

@@ -46,6 +46,14 @@ setup() {
     /usr/bin/python3 "$here/check_export.py" vtp run.h5 0 one.vtp
 }
 
+@test "spheres of many radii are exported with their own" {
+    /usr/bin/python3 -c "import h5py; h5py.File('run.h5', 'r+')['particles/all/radius'] = [0.4, 0.5, 0.6, 0.7, 0.1, 1 / 3, 1]"
+    "$export_packing" run.h5 run.dump
+    "$export_packing" --frames 1 run.h5 one.vtp
+    /usr/bin/python3 "$here/check_export.py" dump run.h5 0,1,2 run.dump
+    /usr/bin/python3 "$here/check_export.py" vtp run.h5 1 one.vtp
+}
+
 @test "an unknown extension is wrong usage" {
     run "$export_packing" run.h5 run.xyz
     echo "$output"

@@ -48,6 +48,7 @@ void expect_equal(const Packing& a, const Packing& b) {
     EXPECT_EQ(a.species, b.species);
     EXPECT_EQ(a.id, b.id);
     EXPECT_EQ(a.object, b.object);
+    EXPECT_EQ(a.radius, b.radius);
 }
 
 class PackingFile : public InTemporaryFolder {
@@ -83,6 +84,19 @@ TEST_F(PackingFile, WithoutObjectsReadsAsWithoutObjects) {
     write_packing(packing, folder / "a.h5", provenance);
     expect_equal(read_packing(folder / "a.h5"), packing);
     EXPECT_THAT(content(folder / "a.xdmf"), Not(HasSubstr("object")));
+}
+
+TEST_F(PackingFile, KeepsTheRadiiOfItsParticles) {
+    Packing packing = sample();
+    for (std::size_t i = 0; i < packing.size(); ++i)
+        packing.radius.push_back(0.1 + 1e-3 * std::sqrt(static_cast<double>(i)));
+    write_packing(packing, folder / "a.h5", provenance);
+    expect_equal(read_packing(folder / "a.h5"), packing);
+    RunWriter run(packing, folder / "run.h5", provenance);
+    run.add_frame(moved(packing, 0));
+    run.add_frame(moved(packing, 1));
+    run.commit();
+    EXPECT_EQ(read_packing(folder / "run.h5", 1).radius, packing.radius);
 }
 
 TEST_F(PackingFile, KeepsItsProvenance) {
@@ -297,10 +311,18 @@ TEST_F(PackingFile, RefusesAnUnsoundPacking) {
         EXPECT_THAT([&] { write_packing(packing, folder / "a.h5", provenance); },
                     ThrowsMessage<InvalidInput>(HasSubstr(message)));
     };
-    refused([](Packing& p) { p = Packing{p.box, p.seed_radius, {}, {}, {}, {}, false}; }, "there are no particles");
+    refused([](Packing& p) { p = Packing{p.box, p.seed_radius, {}, {}, {}, {}, false, {}}; }, "there are no particles");
     refused([](Packing& p) { p.species.pop_back(); }, "49 species for 50 positions");
     refused([](Packing& p) { p.id.pop_back(); }, "49 ids for 50 positions");
     refused([](Packing& p) { p.object.pop_back(); }, "49 object numbers for 50 positions");
+    refused([](Packing& p) { p.radius.assign(49, 0.1); }, "49 radii for 50 positions");
+    for (const double radius : {0.0, -0.1, std::nan(""), HUGE_VAL})
+        refused(
+            [&](Packing& p) {
+                p.radius.assign(50, 0.1);
+                p.radius[7] = radius;
+            },
+            "the radius of particle 8 (counted from 1) is");
     refused([](Packing& p) { p.id[3] = p.id[2]; }, "ids are not unique and increasing");
     refused([](Packing& p) { std::swap(p.id[3], p.id[2]); }, "ids are not unique and increasing");
     refused([](Packing& p) { p.seed_radius = 0.0; }, "seed_radius 0 is not a positive length");

@@ -12,7 +12,8 @@ namespace tomodem::packgen {
 namespace {
 
 // Forces on particles that all see each other.
-std::vector<Row> forces(std::vector<Row> position, double diameter, ForceSums* sums = nullptr) {
+std::vector<Row> forces(std::vector<Row> position, double diameter, ForceSums* sums = nullptr,
+                        const Region& region = {}) {
     const std::size_t count = position.size();
     std::vector<std::int32_t> entries;
     std::vector<std::uint32_t> first_block{0};
@@ -26,7 +27,7 @@ std::vector<Row> forces(std::vector<Row> position, double diameter, ForceSums* s
     const std::vector<Row> velocity(count, Row{1.0, 0.0, 0.0});
     std::vector<Row> force(count);
     const ForceSums found = contact_forces(position.data(), velocity.data(), force.data(), 0, count,
-                                           {entries.data(), first_block.data(), at_boundary.data()}, diameter);
+                                           {entries.data(), first_block.data(), at_boundary.data()}, diameter, region);
     if (sums != nullptr) *sums = found;
     return force;
 }
@@ -65,6 +66,26 @@ TEST(ContactForce, SumsAreThoseOfTheForcesReturned) {
     EXPECT_EQ(sums.velocity_squared, 3.0);
     const double third = 1.0 - std::hypot(0.05, 0.075) / 0.1;
     EXPECT_NEAR(sums.load, 2.0 * (0.5 + 0.25 + third), 1e-12);
+}
+
+TEST(ContactForce, OfSpheresOfTheirOwnRadiiIsWhatTheSumOfThemLacks) {
+    const Region region{{1.0, 2.0, 3.0}, {true, true, true}, false};
+    // d = 0.1, radii 0.03 and 0.05, centres 0.05 apart across the faces at y = 0 and 2: depth 0.03, over d 0.3.
+    const std::vector<Row> force = forces({{0.5, 0.02, 0.5, 0.3}, {0.5, 1.98, 0.53, 0.5}}, 0.1, nullptr, region);
+    EXPECT_NEAR(force[0].y, 0.3 * 0.8, 1e-12);
+    EXPECT_NEAR(force[0].z, -0.3 * 0.6, 1e-12);
+    EXPECT_EQ(force[1].y, -force[0].y);
+}
+
+TEST(ContactForce, OfAWallIsTheDepthOfTheSphereInIt) {
+    const Region region{{1.0, 1.0, 4.0}, {false, true, false}, true};
+    ForceSums sums;
+    const std::vector<Row> force = forces({{0.02, 0.01, 3.99}, {0.5, 0.99, 0.5}}, 0.1, &sums, region);
+    EXPECT_NEAR(force[0].x, 0.3, 1e-12);   // (0.05 - 0.02) / 0.1
+    EXPECT_NEAR(force[0].z, -0.4, 1e-12);  // (0.05 - 0.01) / 0.1
+    EXPECT_EQ(force[0].y, 0.0);            // periodic, and nobody near
+    EXPECT_EQ(force[1].x, 0.0);
+    EXPECT_NEAR(sums.load, 0.7, 1e-12);
 }
 
 TEST(ContactForce, HasTheSameBitsOnEveryInstructionSet) {

@@ -55,6 +55,42 @@ TEST_P(NeighboursWithin, AreThoseOfAllPairs) {
 // 1, 3, 4 and 9 cells an edge.
 INSTANTIATE_TEST_SUITE_P(Cutoffs, NeighboursWithin, testing::Values(0.45, 0.33, 0.25, 0.11));
 
+// Boxes of few and of many cells along an axis, some with walls, which points may lie behind.
+TEST(NeighbourList, IsThatOfAllPairsInAnyRegion) {
+    for (const Region& region :
+         {Region{{1.0, 4.0, 2.0}, {true, true, true}, true}, Region{{3.0, 1.0, 1.5}, {true, false, true}, true},
+          Region{{3.0, 1.0, 1.5}, {false, true, false}, false}, Region{{1.0, 1.0, 5.0}, {false, false, false}, false}})
+        for (const double cutoff : {0.12, 0.3, 0.45}) {
+            std::vector<Row> position = random_points(600);
+            for (std::size_t i = 0; i < position.size(); ++i) {
+                Row& p = position[i];
+                p = {p.x * region.edges[0], p.y * region.edges[1], p.z * region.edges[2],
+                     0.3 + 0.4 * static_cast<double>(i % 11) / 10.0};
+            }
+            std::vector<Row> travellers = position;
+            const double diameter = cutoff / 1.5, skin = 0.1 * diameter;
+            NeighbourList list;
+            ThreadTeam team(2);
+            list.build(position, travellers, cutoff, team, region, diameter, skin);
+            for (std::size_t i = 0; i < position.size(); ++i) {
+                const NeighbourBlocks blocks = list.chunk(i / NeighbourList::chunk_size);
+                const std::size_t k = i % NeighbourList::chunk_size;
+                std::multiset<std::size_t> found, expected;
+                for (std::size_t e = 4 * blocks.first_block[k]; e < 4 * blocks.first_block[k + 1]; ++e)
+                    if (const auto j = static_cast<std::size_t>(blocks.entries[e]); j != i) found.insert(j);
+                for (std::size_t j = 0; j < position.size(); ++j) {
+                    const Row &p = position[i], &q = position[j];
+                    const double apart = std::hypot(region.nearest(0, p.x - q.x), region.nearest(1, p.y - q.y),
+                                                    region.nearest(2, p.z - q.z));
+                    const double reach =
+                        region.equal_radii ? cutoff : std::min(cutoff, (p.radius + q.radius) * diameter + skin);
+                    if (j != i && apart < reach) expected.insert(j);
+                }
+                ASSERT_EQ(found, expected) << "particle " << i << ", cutoff " << cutoff;
+            }
+        }
+}
+
 TEST(NeighbourList, SortsTheTravellersWithTheirParticles) {
     std::vector<Row> position = random_points(300);
     std::vector<Row> travellers = position;

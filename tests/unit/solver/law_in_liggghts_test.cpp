@@ -168,6 +168,21 @@ TEST_P(LawInLiggghts, ScalesSeedAndCrownWithTheRadiiOfThePair) {
     EXPECT_EQ(force_at(1.4 * seeds + 1e-6), 0);
 }
 
+TEST_P(LawInLiggghts, TakesTheRadiiThatTheSampleBrings) {
+    // Seeds touch at 0.6 + 0.3 in a sample of seed radius 0.5, the crowns at 1.4 times that; also in a scaled sample.
+    for (const double scale : {1.0, 0.02}) {
+        const auto force_at = [&](double distance) {
+            Packing pair = pair_of(1, 1, distance * scale, 0.5 * scale);
+            pair.radius = {0.6 * scale, 0.3 * scale};
+            return force_on_second(pair, trilin_model(), 0.1 * scale) / (scale * scale);
+        };
+        EXPECT_NEAR(force_at(0.8) / (1.42e9 * 0.1), 1, 1e-9);
+        EXPECT_NEAR(force_at(0.95) / (-4.73e8 * 0.05), 1, 1e-9);
+        EXPECT_EQ(force_at(1.4 * 0.9 + 1e-6), 0);
+        EXPECT_NEAR(force_at(1.4 * 0.9 - 1e-6) / -1e8, 1, 1e-9);
+    }
+}
+
 TEST_P(LawInLiggghts, SwingsWithItsNaturalPeriod) {
     // Two equal masses that overlap by d: h = 2 r_s - d cos(w t), w^2 = 2 k / m, until they part.
     Model model = two_phase_model();

@@ -48,11 +48,13 @@ Scene scene(const std::string& load, const std::string& accuracy = "") {
 class Solve : public InTemporaryFolder {};
 
 TEST(Relax, KeepsEveryParticleAndItsOrder) {
-    const Packing sample = block(6);
+    Packing sample = block(6);
+    for (std::size_t i = 0; i < sample.size(); ++i) sample.radius.push_back(0.49 + 0.01 * static_cast<double>(i % 3));
     const Relaxation result = relax(sample, scene("steps = [ { strain = -0.1, rate = 1e-3 } ]"), 20, MPI_COMM_WORLD);
     ASSERT_EQ(result.sample.size(), sample.size());
     EXPECT_TRUE(result.sample.relaxed);
     EXPECT_EQ(result.sample.id, sample.id);
+    EXPECT_EQ(result.sample.radius, sample.radius);
     EXPECT_LT(result.largest_displacement, 2);
     EXPECT_LT(result.residual_energy, 1e-4);
 }
@@ -143,6 +145,20 @@ TEST(Model, RefusesWhatTheSampleDoesNotHave) {
     sample.species.assign(sample.size(), 7);
     EXPECT_THAT([&] { compile_model(one_phase, sample); },
                 ThrowsMessage<InvalidInput>(HasSubstr("line 2: [phase.a] has no particle")));
+}
+
+TEST(Model, RefusesToDrawRadiiForASampleThatHasItsOwn) {
+    Packing sample = block(3);
+    sample.radius.assign(sample.size(), 0.5);
+    const std::string load = "[load]\nsteps = [ { strain = -0.1, rate = 1e-3 } ]";
+    EXPECT_THAT([&] { compile_model(parse_scene("radius_dispersion = 0.1\n" + phase_a + load, "test"), sample); },
+                ThrowsMessage<InvalidInput>(
+                    HasSubstr("radius_dispersion = 0.1 but the particles of the sample have radii of their own")));
+    EXPECT_NO_THROW(compile_model(parse_scene(phase_a + load, "test"), sample));
+    const Scene norton =
+        parse_scene("[phase.a]\nlabel = 1\nlaw = \"norton\"\nnorton = { K = 100, M = 0.3 }\n" + load, "test");
+    EXPECT_THAT([&] { compile_model(norton, sample); },
+                ThrowsMessage<InvalidInput>(HasSubstr("law \"norton\" is made for equal radii")));
 }
 
 TEST(Model, RefusesATimeStepThatIsUnstable) {

@@ -156,6 +156,22 @@ TEST(Sample, ParticleMovedByTheBoxFilterBelongsToTheNearestComponentOfItsLabel) 
     EXPECT_THAT(sample.object_particles, ElementsAre(1));
 }
 
+TEST(Sample, TakesTheRadiiOfTheBricksParticlesAtItsScale) {
+    // The brick's particles have a radius that tells their z; at a fifth of the size it tells the sample's.
+    Packing brick = lattice(2);
+    for (const Vec3& p : brick.position) brick.radius.push_back(0.4 + 0.1 * p.z());
+    const auto volume = volume_of({8, 8, 16}, 0.1, [](int x, int, int) { return x < 4 ? 0 : 1; });
+    const Sample sample = sample_volume(volume, brick, {.seed_radius = 0.1, .object_labels = {}});
+    ASSERT_EQ(sample.packing.size(), 2u * 4u * 8u);
+    ASSERT_EQ(sample.packing.radius.size(), sample.packing.size());
+    for (std::size_t i = 0; i < sample.packing.size(); ++i) {
+        const double z_in_brick = std::fmod(sample.packing.position[i].z(), 0.4) * 5;
+        EXPECT_NEAR(sample.packing.radius[i], (0.4 + 0.1 * z_in_brick) / 5, 1e-12);
+    }
+    brick.radius.clear();
+    EXPECT_TRUE(sample_volume(volume, brick, {.seed_radius = 0.1, .object_labels = {}}).packing.radius.empty());
+}
+
 TEST(Sample, IsTheSameOnAnyNumberOfThreads) {
     const Packing brick = random_points(50000, 2);
     const auto volume = volume_of({40, 30, 20}, 0.1, [](int x, int y, int z) { return (x / 7 + y / 5 + z / 6) % 3; });
