@@ -6,6 +6,7 @@
 #   make test                   every test that CI runs
 #   make physics                long physical checks
 #   make bench                  measurements of speed and memory
+#   make fuzz SECONDS=3600      the readers of volumes under libFuzzer
 #   make lint                   clang-tidy on every source
 #   make install PREFIX=/usr/local
 
@@ -17,7 +18,7 @@ OUT ?= out/demo
 export OMPI_ALLOW_RUN_AS_ROOT := 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 
-.PHONY: build demo test physics bench lint docs install clean
+.PHONY: build demo test physics bench fuzz lint docs install clean
 
 # Packages are looked at once; after that, only when the list changes.
 $(BUILD)/.bootstrapped: packages/debian.txt bootstrap
@@ -40,6 +41,9 @@ physics: build
 
 bench: build
 	ctest --test-dir $(BUILD) --output-on-failure -V -L bench
+
+fuzz: $(BUILD)/.bootstrapped
+	tests/fuzz/fuzz $(or $(SECONDS),600)
 
 lint: build
 	run-clang-tidy -quiet -p $(BUILD) '^$(CURDIR)/(core|tools|solver_plugin)/'

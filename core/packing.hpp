@@ -3,6 +3,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 namespace tomodem {
@@ -31,6 +33,8 @@ struct Packing {
     std::vector<std::int32_t> object;   ///< 0: belongs to no object of its own
     bool relaxed = false;               ///< the free sample is at rest under its law
     std::vector<double> radius{};       ///< [mm]
+    /// Other quantities of each particle by their name, such as a temperature from another volume; they change nothing.
+    std::map<std::string, std::vector<double>> property{};
 
     std::size_t size() const { return position.size(); }
     double radius_of(std::size_t particle) const { return radius.empty() ? seed_radius : radius[particle]; }

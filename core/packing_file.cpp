@@ -116,6 +116,9 @@ RunReader::RunReader(const fs::path& path) {
     packing.id = reader.array<std::int64_t>("/particles/all/id");
     if (reader.exists("/particles/all/object")) packing.object = reader.array<std::int32_t>("/particles/all/object");
     if (reader.exists("/particles/all/radius")) packing.radius = reader.array<double>("/particles/all/radius");
+    if (constexpr const char* group = "/particles/all/property"; reader.is_group(group))
+        for (const std::string& name : reader.members(group))
+            packing.property[name] = reader.array<double>(std::string(group) + "/" + name);
     const auto seed_radius = reader.number_attribute<double>("/particles/all", "seed_radius");
     if (!seed_radius) reader.fail("/particles/all has no attribute seed_radius");
     packing.seed_radius = *seed_radius;

@@ -74,6 +74,9 @@ void require_sound_packing(const Packing& packing, const std::string& where) {
         if (!(packing.radius[i] > 0.0) || !std::isfinite(packing.radius[i]))
             fail(fmt::format("the radius of particle {} (counted from 1) is {:g}: expected a positive length", i + 1,
                              packing.radius[i]));
+    for (const auto& [name, values] : packing.property)
+        if (values.size() != n)
+            fail(fmt::format("{} values of the property '{}' for {} positions", values.size(), name, n));
     for (std::size_t i = 1; i < n; ++i)
         if (packing.id[i] <= packing.id[i - 1])
             fail(fmt::format("ids are not unique and increasing: {} follows {}", packing.id[i], packing.id[i - 1]));
@@ -123,6 +126,11 @@ void create_run_file(const Packing& packing, const RunShape& shape, const Proven
     if (!packing.radius.empty()) {
         const Hdf5Handle radius = writer.dataset(all, "radius", {n}, packing.radius.data());
         writer.attribute(radius, "unit", std::string("mm"));
+    }
+    if (!packing.property.empty()) {
+        const Hdf5Handle property = writer.group(all, "property");
+        for (const auto& [name, values] : packing.property)
+            writer.dataset(property, name.c_str(), {n}, values.data());
     }
 
     {

@@ -22,7 +22,7 @@ def put(kind, name, content):
     (folder / kind / name).write_bytes(content if isinstance(content, bytes) else content.encode())
 
 
-for number, (kind, compression) in enumerate([(np.uint8, 0), (np.uint16, 1), (np.float32, 2), (np.uint8, 4)]):
+for number, (kind, compression) in enumerate([(np.uint8, 0), (np.uint16, 1), (np.float32, 3), (np.int16, 0)]):
     image = vtkImageData()
     image.SetDimensions(2, 3, 4)
     image.GetPointData().SetScalars(numpy_to_vtk(voxels.astype(kind).ravel(), deep=True))

@@ -24,6 +24,7 @@ void write_vtp_frame(const RunReader& run, std::size_t index, const fs::path& pa
                                    {"id", std::span<const std::int64_t>(packing.id)},
                                    {"radius", std::span<const double>(radius)}};
     if (!packing.object.empty()) arrays.push_back({"object", std::span<const std::int32_t>(packing.object)});
+    for (const auto& [name, values] : packing.property) arrays.push_back({name, std::span<const double>(values)});
     write_vtp(path, frame.position, {}, arrays);
 }
 
