@@ -72,8 +72,8 @@ void run(const Request& request) {
     }
 
     options.seed_radius = request.pixels_per_seed * volume.spacing()[0];
-    options.filter = request.filter == "box" ? Filter::box : Filter::nearest;
-    options.box_size = request.box_size * 2 * options.seed_radius;
+    options.filter.kind = request.filter == "box" ? Filter::box : Filter::nearest;
+    options.filter.box_size = request.box_size * 2 * options.seed_radius;
     options.random_seed = static_cast<std::uint64_t>(request.random_seed);
     options.max_particles = request.max_particles;
     options.threads = cli::threads();

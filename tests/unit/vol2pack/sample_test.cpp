@@ -108,7 +108,7 @@ TEST(Sample, BoxFilterRemovesASpeckThatTheNearestVoxelKeeps) {
     const Packing brick = lattice(3);
     SampleOptions options{.seed_radius = 2, .object_labels = {}};
     EXPECT_EQ(sample_volume(volume, brick, options).labelled.at(1), 1);
-    options.filter = Filter::box;
+    options.filter.kind = Filter::box;
     EXPECT_EQ(sample_volume(volume, brick, options).labelled.count(1), 0U);
 }
 
@@ -149,7 +149,7 @@ TEST(Sample, ParticleMovedByTheBoxFilterBelongsToTheNearestComponentOfItsLabel) 
     // The centre (2, 2, 2) lies in a crack of label 1 between two pieces of label 2, nearer to the upper one.
     const auto volume = volume_of({4, 4, 4}, 1, [](int, int, int z) { return z == 2 ? 1 : 2; });
     const Sample sample =
-        sample_volume(volume, lattice(1), {.seed_radius = 2, .filter = Filter::box, .object_labels = {2}});
+        sample_volume(volume, lattice(1), {.seed_radius = 2, .filter = {Filter::box}, .object_labels = {2}});
     EXPECT_THAT(sample.packing.species, ElementsAre(2));
     EXPECT_EQ(sample.components, 2);
     EXPECT_THAT(sample.packing.object, ElementsAre(1));
@@ -175,7 +175,7 @@ TEST(Sample, TakesTheRadiiOfTheBricksParticlesAtItsScale) {
 TEST(Sample, IsTheSameOnAnyNumberOfThreads) {
     const Packing brick = random_points(50000, 2);
     const auto volume = volume_of({40, 30, 20}, 0.1, [](int x, int y, int z) { return (x / 7 + y / 5 + z / 6) % 3; });
-    SampleOptions options{.seed_radius = 0.3, .filter = Filter::box, .object_labels = {1, 2}, .random_seed = 4};
+    SampleOptions options{.seed_radius = 0.3, .filter = {Filter::box}, .object_labels = {1, 2}, .random_seed = 4};
     const Sample one = sample_volume(volume, brick, options);
     options.threads = 3;
     const Sample three = sample_volume(volume, brick, options);
@@ -184,22 +184,35 @@ TEST(Sample, IsTheSameOnAnyNumberOfThreads) {
     EXPECT_EQ(one.packing.object, three.packing.object);
 }
 
-TEST(Sample, RandomSeedShiftsTheBrickWithoutChangingItsPacking) {
-    const auto volume = volume_of({16, 16, 16}, 1, [](int, int, int) { return 1; });
+TEST(Sample, RandomSeedMovesTheBrickWithoutChangingItsPacking) {
+    const auto volume = volume_of({40, 40, 40}, 1, [](int, int, int) { return 1; });
     const Packing brick = lattice(4);
     const auto sample = [&](std::uint64_t seed) {
-        return sample_volume(volume, brick, {.seed_radius = 2, .object_labels = {}, .random_seed = seed}).packing;
+        return sample_volume(volume, brick, {.seed_radius = 2, .random_seed = seed}).packing;
     };
-    const Packing unshifted = sample(0), first = sample(1), second = sample(2);
+    const Packing first = sample(1), second = sample(2);
+    EXPECT_EQ(sample(0).size(), 1000U) << "the box holds whole cells";
     EXPECT_EQ(sample(1).position, first.position);
-    EXPECT_EQ(first.size(), 64U) << "the box holds whole bricks";
-    const auto offset = [](double a, double b) { return std::abs(std::remainder(a - b, 4.0)); };
-    for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_GT(offset(first.position[0][axis], unshifted.position[0][axis]), 1e-6);
-        EXPECT_GT(offset(first.position[0][axis], second.position[0][axis]), 1e-6);
-        for (const Vec3& position : first.position)
-            EXPECT_NEAR(offset(position[axis], first.position[0][axis]), 0, 1e-9);
+    EXPECT_NE(second.position, first.position);
+    for (const Packing& packing : {first, second}) {
+        EXPECT_NEAR(static_cast<double>(packing.size()), 1000, 60);
+        // Each particle away from the faces has the six neighbours of the lattice at 2 r_s and no nearer one.
+        for (const Vec3& at : packing.position) {
+            if (((at - Vec3::Constant(20)).cwiseAbs().array() > 14).any()) continue;
+            int neighbours = 0;
+            for (const Vec3& other : packing.position) {
+                const double distance = (other - at).norm();
+                if (distance > 1e-9) {
+                    EXPECT_GT(distance, 4 - 1e-9);
+                }
+                neighbours += std::abs(distance - 4) < 1e-9;
+            }
+            ASSERT_EQ(neighbours, 6);
+        }
     }
+    // Rotated: the lattice is not parallel to the box any more.
+    const Vec3 step = first.position[1] - first.position[0];
+    EXPECT_GT(step.cwiseAbs().minCoeff(), 1e-3);
 }
 
 TEST(Sample, WrapsPositionsThatLieOutsideTheBrick) {

@@ -1,0 +1,35 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/volume.hpp"
+
+namespace tomodem {
+
+/// Labels first .. last of the image are objects of their own, and of one phase in the sample.
+struct LabelObjects {
+    std::int32_t first = 0, last = 0, species = 0;
+};
+
+/// "2:500=1,501:600=2" -> {{2, 500, 1}, {501, 600, 2}}. @throws WrongUsage naming `flag`
+std::vector<LabelObjects> parse_label_objects(const std::string& flag, const std::string& text);
+
+/// The parts of an image that are told apart: connected components, or labels that are objects.
+struct Regions {
+    Components components;                  ///< `label` is that of the sample
+    std::vector<std::int32_t> image_label;  ///< of each region that is a label of the image, else 0
+    std::vector<bool> is_object;            ///< of each region
+};
+
+/// Connected components of `labels`; those of `object_labels` are objects.
+Regions component_regions(const LabelVolume& volume, const std::vector<std::int32_t>& labels,
+                          const std::vector<std::int32_t>& object_labels, Neighbours neighbours);
+
+/// Takes labels of the image as objects: they get a region each (in order of the labels), and their voxels the label of
+/// their phase.
+/// @param regions  of the other labels; numbered first
+/// @throws InvalidInput if a range has none of the image's labels
+void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector<LabelObjects>& objects);
+
+}  // namespace tomodem
