@@ -112,7 +112,7 @@ std::map<std::int32_t, std::int64_t> Places::count() const {
     for (std::size_t i = 0; i < label.size();) {
         const std::size_t start = i;
         while (i < label.size() && label[i] == label[start]) ++i;
-        if (label[start] != outside) counts[label[start]] += static_cast<std::int64_t>(i - start);
+        if (label[start] >= 0) counts[label[start]] += static_cast<std::int64_t>(i - start);
     }
     return counts;
 }
@@ -123,6 +123,9 @@ std::int64_t Sample::lost_components() const {
 
 Places label_places(const LabelVolume& volume, const Tiling& tiling, const Regions* regions, const LabelFilter& filter,
                     int threads) {
+    const auto labels = volume.histogram();
+    if (!labels.empty() && labels.begin()->first < 0)
+        throw InvalidInput(fmt::format("the image has the negative label {}", labels.begin()->first));
     Places places;
     places.label.assign(tiling.places(), Places::outside);
     if (regions) places.region.assign(tiling.places(), 0);
@@ -130,10 +133,12 @@ Places label_places(const LabelVolume& volume, const Tiling& tiling, const Regio
         const Labeller labeller(volume, regions ? &regions->components : nullptr, filter, tiling.seed_radius());
         for (std::int64_t place = first; place < end; ++place) {
             const Vec3 inside = tiling.from_corner(place);
-            if (!tiling.in_box(inside)) continue;
-            const Vec3 position = volume.origin() + inside;
-            places.label[place] = labeller.label(position);
-            if (regions) places.region[place] = labeller.region(position, places.label[place]);
+            if (!tiling.in_margin(inside)) continue;
+            const bool in_box = tiling.in_box(inside);
+            const Vec3 position = volume.origin() + (in_box ? inside : tiling.mirrored(inside));
+            const std::int32_t label = labeller.label(position);
+            places.label[place] = in_box ? label : -1 - label;
+            if (regions && in_box) places.region[place] = labeller.region(position, places.label[place]);
         }
     });
     return places;
@@ -147,9 +152,7 @@ Sample sample_volume(const LabelVolume& volume, const Tiling& tiling, const Regi
     sample.labelled = places.count();
     for (const auto& [label, particles] : sample.labelled) sample.candidates += particles;
 
-    const auto kept = [&](std::int64_t place) {
-        return places.label[place] != 0 && places.label[place] != Places::outside;
-    };
+    const auto kept = [&](std::int64_t place) { return places.label[place] > 0; };
     std::vector<std::int64_t> start((tiling.places() + piece_size - 1) / piece_size + 1, 0);
     for_each_piece(tiling, threads, [&](std::int64_t piece, std::int64_t first, std::int64_t end) {
         for (std::int64_t place = first; place < end; ++place) start[piece + 1] += kept(place);

@@ -35,16 +35,19 @@ struct SampleOptions {
 
 /// What the image has at each place of a tiling.
 struct Places {
-    static constexpr std::int32_t outside = INT32_MIN;  ///< label of a place that is not in the image
+    static constexpr std::int32_t outside = INT32_MIN;  ///< label of a place that is not in or near the image
+    /// Of the margin of the tiling, -1 - the label of the mirror image at the faces; in the image never negative.
     std::vector<std::int32_t> label;
+    static std::int32_t seen(std::int32_t label) { return label < 0 ? -1 - label : label; }
     std::vector<std::int32_t> region;  ///< from 1; 0: none of that label near. Empty where regions are not told apart
 
-    /// How many places have each label, those outside left out.
+    /// How many places in the image have each label.
     std::map<std::int32_t, std::int64_t> count() const;
 };
 
 /// Looks every place of the tiling up in the image.
 /// @param regions  of the image, or nullptr
+/// @throws InvalidInput if the image has a negative label
 Places label_places(const LabelVolume& volume, const Tiling& tiling, const Regions* regions, const LabelFilter& filter,
                     int threads);
 

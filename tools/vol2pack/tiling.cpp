@@ -50,6 +50,7 @@ Tiling::Tiling(const Packing& brick, double seed_radius, const Box& box, std::ui
     if (brick.size() == 0 || !(brick.seed_radius > 0) || !(brick.box.volume() > 0))
         throw InvalidInput("the brick has no particles, no seed radius or no volume; make one with packgen");
     edges_ = brick.box.edges * (seed_radius / brick.seed_radius);
+    longest_needle_ = 1.4 * std::cbrt(edges_.prod() / static_cast<double>(brick.size()));
     const double expected = static_cast<double>(brick.size()) * (box.edges.prod() / edges_.prod());
     if (expected > static_cast<double>(max_particles))
         throw InvalidInput(
@@ -95,10 +96,12 @@ Tiling::Tiling(const Packing& brick, double seed_radius, const Box& box, std::ui
         position_.push_back(fraction.cwiseProduct(edges_));
     }
 
-    // The tiles between the ends of the box, seen from the brick.
+    // The tiles between the ends of the box and its margin, seen from the brick.
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (int corner = 0; corner < 8; ++corner) {
-        const Vec3 point(corner & 1 ? box.edges[0] : 0, corner & 2 ? box.edges[1] : 0, corner & 4 ? box.edges[2] : 0);
+        Vec3 point;
+        for (int axis = 0; axis < 3; ++axis)
+            point[axis] = corner >> axis & 1 ? box.edges[axis] + longest_needle_ : -longest_needle_;
         const Vec3 seen = rotation_.transpose() * point;
         low = low.cwiseMin(seen);
         high = high.cwiseMax(seen);
@@ -109,7 +112,7 @@ Tiling::Tiling(const Packing& brick, double seed_radius, const Box& box, std::ui
         count_[axis] = std::max(1, static_cast<std::int32_t>(end) - first_[axis]);
     }
     number_of_tile_.assign(std::size_t(count_[0]) * count_[1] * count_[2], -1);
-    const Vec3 reach = rotation_.cwiseAbs() * edges_ / 2;
+    const Vec3 reach = rotation_.cwiseAbs() * edges_ / 2 + Vec3::Constant(longest_needle_);
     for (std::size_t i = 0; i < number_of_tile_.size(); ++i) {
         const std::array<std::int32_t, 3> tile{first_[0] + static_cast<std::int32_t>(i % count_[0]),
                                                first_[1] + static_cast<std::int32_t>(i / count_[0] % count_[1]),
@@ -132,6 +135,20 @@ bool Tiling::in_box(const Vec3& from_corner) const {
     return (from_corner.array() >= 0).all() && (from_corner.array() < box_.edges.array()).all();
 }
 
+bool Tiling::in_margin(const Vec3& from_corner) const {
+    return (from_corner.array() >= -longest_needle_).all() &&
+           (from_corner.array() < box_.edges.array() + longest_needle_).all();
+}
+
+Vec3 Tiling::mirrored(const Vec3& from_corner) const {
+    Vec3 folded;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double edge = box_.edges[axis], distance = std::abs(std::remainder(from_corner[axis], 2 * edge));
+        folded[axis] = std::min(distance, std::nextafter(edge, 0));
+    }
+    return folded;
+}
+
 std::int64_t Tiling::neighbour(std::int64_t tile, const std::array<std::int32_t, 3>& offset) const {
     std::int64_t index = 0;
     for (int axis = 2; axis >= 0; --axis) {
@@ -143,7 +160,7 @@ std::int64_t Tiling::neighbour(std::int64_t tile, const std::array<std::int32_t,
 }
 
 std::vector<Tiling::Needle> Tiling::needles() const {
-    const double cutoff = 1.4 * std::cbrt(edges_.prod() / static_cast<double>(in_brick()));
+    const double cutoff = longest_needle_;
     struct Image {
         Vec3 position;
         std::int32_t particle;

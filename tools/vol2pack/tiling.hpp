@@ -17,8 +17,8 @@ namespace tomodem {
 /// not periodic the brick is not repeated: the box must fit into it, the shift stays within it, and the only rotation
 /// left is the one about that axis; with two such axes, none.
 ///
-/// A *place* is one particle of one copy, in the box or not. Copies are numbered x fastest, the places of a copy follow
-/// one another in the order of the brick.
+/// A *place* is one particle of one copy, in the box, in the margin around it or beyond. Copies are numbered x fastest,
+/// the places of a copy follow one another in the order of the brick.
 class Tiling {
  public:
     /// @throws InvalidInput if the brick is empty, or not periodic along an axis where the box is longer, or if the box
@@ -35,6 +35,10 @@ class Tiling {
     /// From the lowest corner of the box [mm].
     Vec3 from_corner(std::int64_t place) const;
     bool in_box(const Vec3& from_corner) const;
+    /// Also within a needle of the box.
+    bool in_margin(const Vec3& from_corner) const;
+    /// A point of the margin seen in the faces of the box.
+    Vec3 mirrored(const Vec3& from_corner) const;
     /// The tile that lies `offset` tiles further along the edges of the brick; -1: not one of these.
     std::int64_t neighbour(std::int64_t tile, const std::array<std::int32_t, 3>& offset) const;
 
@@ -44,21 +48,23 @@ class Tiling {
         std::int32_t from, to;
         Vec3 along;  ///< from the first to the second, as they lie in the box [mm]
     };
-    /// Each pair within 1.4 times the cube root of the volume of a particle's share (the first shell of neighbours, up
-    /// to 1.3 seed diameters in a dense packing) once, ordered by offset: 5 to 6 a particle.
+    /// Each pair within longest_needle() once, ordered by offset: 5 to 6 a particle.
     std::vector<Needle> needles() const;
+    /// 1.4 times the cube root of a particle's share of the volume: the first shell of neighbours, up to 1.3 diameters
+    /// of a seed in a dense packing [mm].
+    double longest_needle() const { return longest_needle_; }
 
  private:
     Box box_;
-    double seed_radius_;
+    double seed_radius_, longest_needle_;
     Vec3 edges_;
     std::array<bool, 3> periodic_;
     std::vector<Vec3> position_;  // in [0, edge) along the periodic axes
     Eigen::Matrix3d rotation_ = Eigen::Matrix3d::Identity();
     Vec3 shift_ = Vec3::Zero();  // of the corner of the brick, along the axes that are not periodic
     std::array<std::int32_t, 3> first_{}, count_{};
-    std::vector<std::array<std::int32_t, 3>> tile_;  // those that meet the box
-    std::vector<std::int32_t> number_of_tile_;       // of all from first_ on, -1: does not meet the box
+    std::vector<std::array<std::int32_t, 3>> tile_;  // those that meet the box and its margin
+    std::vector<std::int32_t> number_of_tile_;       // of all from first_ on, -1: not one of these
 };
 
 }  // namespace tomodem
