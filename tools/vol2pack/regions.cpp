@@ -36,6 +36,26 @@ std::vector<LabelObjects> parse_label_objects(const std::string& flag, const std
     return objects;
 }
 
+namespace {
+
+/// The range that holds a label. @param objects  sorted
+const LabelObjects* range_of(std::int32_t label, const std::vector<LabelObjects>& objects) {
+    const auto after = std::upper_bound(objects.begin(), objects.end(), label,
+                                        [](std::int32_t value, const auto& range) { return value < range.first; });
+    return after != objects.begin() && label <= std::prev(after)->last ? &*std::prev(after) : nullptr;
+}
+
+}  // namespace
+
+Histogram species_histogram(const LabelVolume& volume, const std::vector<LabelObjects>& objects) {
+    Histogram species;
+    for (const auto& [label, voxels] : volume.histogram()) {
+        const LabelObjects* const range = range_of(label, objects);
+        species[range ? range->species : label] += voxels;
+    }
+    return species;
+}
+
 Regions component_regions(const LabelVolume& volume, const std::vector<std::int32_t>& labels,
                           const std::vector<std::int32_t>& object_labels, Neighbours neighbours) {
     Regions regions{connected_components(volume, labels, Joining::same_label, neighbours), {}, {}};
@@ -47,15 +67,10 @@ Regions component_regions(const LabelVolume& volume, const std::vector<std::int3
 }
 
 void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector<LabelObjects>& objects) {
-    const auto range_of = [&](std::int32_t label) -> const LabelObjects* {
-        const auto after = std::upper_bound(objects.begin(), objects.end(), label,
-                                            [](std::int32_t value, const auto& range) { return value < range.first; });
-        return after != objects.begin() && label <= std::prev(after)->last ? &*std::prev(after) : nullptr;
-    };
     Components& components = regions.components;
     std::map<std::int32_t, std::int32_t> region_of;
     for (const auto& [label, voxels] : volume.histogram())
-        if (const LabelObjects* range = range_of(label)) {
+        if (const LabelObjects* range = range_of(label, objects)) {
             components.voxels.push_back(voxels);
             components.label.push_back(range->species);
             regions.image_label.push_back(label);
@@ -77,7 +92,7 @@ void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector
         for (std::size_t i = 0; i < labels.size(); ++i) {
             if (labels[i] != last) {
                 last = labels[i];
-                const LabelObjects* const range = range_of(last);
+                const LabelObjects* const range = range_of(last, objects);
                 region = range ? region_of[last] : 0;
                 species = range ? range->species : 0;
             }
@@ -88,6 +103,21 @@ void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector
         volume.set_slices(k, count, labels);
         components.number.set_slices(k, count, numbers);
     }
+}
+
+std::optional<Regions> tell_regions_apart(LabelVolume& volume, const std::vector<std::int32_t>& object_labels,
+                                          const std::vector<LabelObjects>& objects, Neighbours neighbours,
+                                          Regions::Of of) {
+    std::vector<std::int32_t> labels;
+    for (const auto& [label, voxels] : volume.histogram())
+        if (!range_of(label, objects) &&
+            (of == Regions::Of::everything ||
+             std::find(object_labels.begin(), object_labels.end(), label) != object_labels.end()))
+            labels.push_back(label);
+    if (labels.empty() && objects.empty()) return std::nullopt;
+    Regions regions = component_regions(volume, labels, object_labels, neighbours);
+    if (!objects.empty()) take_label_objects(volume, regions, objects);
+    return regions;
 }
 
 }  // namespace tomodem

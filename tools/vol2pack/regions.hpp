@@ -1,5 +1,7 @@
 #pragma once
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +17,14 @@ struct LabelObjects {
 /// "2:500=1,501:600=2" -> {{2, 500, 1}, {501, 600, 2}}. @throws WrongUsage naming `flag`
 std::vector<LabelObjects> parse_label_objects(const std::string& flag, const std::string& text);
 
+using Histogram = std::map<std::int32_t, std::int64_t>;
+
+/// Voxels of each label that the sample will have.
+Histogram species_histogram(const LabelVolume& volume, const std::vector<LabelObjects>& objects);
+
 /// The parts of an image that are told apart: connected components, or labels that are objects.
 struct Regions {
+    enum class Of { objects, everything };
     Components components;                  ///< `label` is that of the sample
     std::vector<std::int32_t> image_label;  ///< of each region that is a label of the image, else 0
     std::vector<bool> is_object;            ///< of each region
@@ -31,5 +39,11 @@ Regions component_regions(const LabelVolume& volume, const std::vector<std::int3
 /// @param regions  of the other labels; numbered first
 /// @throws InvalidInput if a range has none of the image's labels
 void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector<LabelObjects>& objects);
+
+/// Both in one: the components of `object_labels`, or of everything, and the labels of the image that are objects.
+/// @return nothing where nothing is to be told apart
+std::optional<Regions> tell_regions_apart(LabelVolume& volume, const std::vector<std::int32_t>& object_labels,
+                                          const std::vector<LabelObjects>& objects, Neighbours neighbours,
+                                          Regions::Of of);
 
 }  // namespace tomodem

@@ -19,8 +19,7 @@ class Labeller {
     Labeller(const LabelVolume& volume, const Components* components, const LabelFilter& filter, double seed_radius)
         : volume_(volume), components_(components), sampler_(volume), filter_(filter) {
         if (components) numbers_.emplace(components->number);
-        const double half = filter.box_size > 0 ? filter.box_size / 2 : seed_radius;
-        if (filter.kind == Filter::box) reach_.setConstant(half);
+        if (filter.kind == Filter::box) reach_.setConstant(filter.box_size * seed_radius);
         if (filter.kind == Filter::level_set) reach_ = std::ceil(3.5 * filter.smoothing) * volume.spacing();
     }
 

@@ -19,7 +19,7 @@ enum class Filter {
 
 struct LabelFilter {
     Filter kind = Filter::nearest;
-    double box_size = 0.0;   ///< edge of the box of Filter::box [mm]; 0: the diameter of a seed
+    double box_size = 1.0;   ///< edge of the box of Filter::box [diameters of a seed]
     double smoothing = 0.8;  ///< width of Filter::level_set [voxels]
 };
 
