@@ -103,10 +103,10 @@ void for_each_slice(const LabelVolume& volume, const Visit& visit) {
 }  // namespace
 
 Components connected_components(const LabelVolume& volume, const std::vector<std::int32_t>& labels, Joining joining,
-                                Neighbours neighbours) {
+                                Connectivity connectivity) {
     // Rows one step away share faces, and edges where x differs too; rows two steps away share edges, and corners.
-    const std::int32_t reach_near = neighbours == Neighbours::faces ? 0 : 1;
-    const std::int32_t reach_far = neighbours == Neighbours::corners ? 1 : 0;
+    const std::int32_t reach_near = connectivity == Connectivity::faces ? 0 : 1;
+    const std::int32_t reach_far = connectivity == Connectivity::corners ? 1 : 0;
     std::vector<std::int32_t> wanted = labels;
     std::sort(wanted.begin(), wanted.end());
     const VoxelIndex size = volume.size();
@@ -127,7 +127,7 @@ Components connected_components(const LabelVolume& volume, const std::vector<std
             if (y > 0) join_rows(current, y, current, y - 1, reach_near, joining, sets);
             if (k == 0) continue;
             join_rows(current, y, previous, y, reach_near, joining, sets);
-            if (neighbours == Neighbours::faces) continue;
+            if (connectivity == Connectivity::faces) continue;
             if (y > 0) join_rows(current, y, previous, y - 1, reach_far, joining, sets);
             if (y + 1 < size[1]) join_rows(current, y, previous, y + 1, reach_far, joining, sets);
         }
@@ -165,7 +165,7 @@ Components connected_components(const LabelVolume& volume, const std::vector<std
 }
 
 std::int64_t remove_small_components(LabelVolume& volume, const std::vector<std::int32_t>& labels,
-                                     std::int64_t min_voxels, Neighbours by) {
+                                     std::int64_t min_voxels, Connectivity by) {
     const Components components = connected_components(volume, labels, Joining::same_label, by);
     const VoxelIndex size = volume.size();
     const std::int64_t page = std::int64_t{size[0]} * size[1];

@@ -81,10 +81,10 @@ LabelFilter filter_of(const Request& request) {
     return {kind, request.box_size, request.smoothing};
 }
 
-Neighbours neighbours_of(const Request& request) {
-    return request.connectivity == "6"    ? Neighbours::faces
-           : request.connectivity == "18" ? Neighbours::edges
-                                          : Neighbours::corners;
+Connectivity connectivity_of(const Request& request) {
+    return request.connectivity == "6"    ? Connectivity::faces
+           : request.connectivity == "18" ? Connectivity::edges
+                                          : Connectivity::corners;
 }
 
 std::vector<std::int32_t> labels_with_objects(const Request& request, const Histogram& image) {
@@ -102,7 +102,7 @@ void remove_small(LabelVolume& volume, const Request& request) {
     for (const auto& [label, voxels] : volume.histogram())
         if (label != 0) solid.push_back(label);
     cli::report("small_components_removed",
-                remove_small_components(volume, solid, request.min_component, neighbours_of(request)));
+                remove_small_components(volume, solid, request.min_component, connectivity_of(request)));
 }
 
 double seed_radius_of(const Request& request, const LabelVolume& volume, const Packing& brick) {
@@ -139,7 +139,7 @@ void run(const Request& request) {
     const auto object_labels = labels_with_objects(request, image);
     check_labels(image, names, object_labels);
     remove_small(volume, request);
-    const auto regions = tell_regions_apart(volume, object_labels, label_objects, neighbours_of(request),
+    const auto regions = tell_regions_apart(volume, object_labels, label_objects, connectivity_of(request),
                                             request.skip_components ? Regions::Of::objects : Regions::Of::everything);
     clock.done("components");
 

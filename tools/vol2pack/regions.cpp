@@ -57,8 +57,8 @@ Histogram species_histogram(const LabelVolume& volume, const std::vector<LabelOb
 }
 
 Regions component_regions(const LabelVolume& volume, const std::vector<std::int32_t>& labels,
-                          const std::vector<std::int32_t>& object_labels, Neighbours neighbours) {
-    Regions regions{connected_components(volume, labels, Joining::same_label, neighbours), {}, {}};
+                          const std::vector<std::int32_t>& object_labels, Connectivity connectivity) {
+    Regions regions{connected_components(volume, labels, Joining::same_label, connectivity), {}, {}};
     for (const std::int32_t label : regions.components.label)
         regions.is_object.push_back(std::find(object_labels.begin(), object_labels.end(), label) !=
                                     object_labels.end());
@@ -106,7 +106,7 @@ void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector
 }
 
 std::optional<Regions> tell_regions_apart(LabelVolume& volume, const std::vector<std::int32_t>& object_labels,
-                                          const std::vector<LabelObjects>& objects, Neighbours neighbours,
+                                          const std::vector<LabelObjects>& objects, Connectivity connectivity,
                                           Regions::Of of) {
     std::vector<std::int32_t> labels;
     for (const auto& [label, voxels] : volume.histogram())
@@ -115,7 +115,7 @@ std::optional<Regions> tell_regions_apart(LabelVolume& volume, const std::vector
              std::find(object_labels.begin(), object_labels.end(), label) != object_labels.end()))
             labels.push_back(label);
     if (labels.empty() && objects.empty()) return std::nullopt;
-    Regions regions = component_regions(volume, labels, object_labels, neighbours);
+    Regions regions = component_regions(volume, labels, object_labels, connectivity);
     if (!objects.empty()) take_label_objects(volume, regions, objects);
     return regions;
 }

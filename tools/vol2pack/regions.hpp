@@ -32,7 +32,7 @@ struct Regions {
 
 /// Connected components of `labels`; those of `object_labels` are objects.
 Regions component_regions(const LabelVolume& volume, const std::vector<std::int32_t>& labels,
-                          const std::vector<std::int32_t>& object_labels, Neighbours neighbours);
+                          const std::vector<std::int32_t>& object_labels, Connectivity connectivity);
 
 /// Takes labels of the image as objects: they get a region each (in order of the labels), and their voxels the label of
 /// their phase.
@@ -43,7 +43,7 @@ void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector
 /// Both in one: the components of `object_labels`, or of everything, and the labels of the image that are objects.
 /// @return nothing where nothing is to be told apart
 std::optional<Regions> tell_regions_apart(LabelVolume& volume, const std::vector<std::int32_t>& object_labels,
-                                          const std::vector<LabelObjects>& objects, Neighbours neighbours,
+                                          const std::vector<LabelObjects>& objects, Connectivity connectivity,
                                           Regions::Of of);
 
 }  // namespace tomodem

@@ -27,7 +27,7 @@ struct SampleOptions {
     double seed_radius = 0.0;  ///< r_s in the sample [mm]
     LabelFilter filter{};
     std::vector<std::int32_t> object_labels{};  ///< each connected component of one of these is an object of its own
-    Neighbours connectivity = Neighbours::faces;
+    Connectivity connectivity = Connectivity::faces;
     std::uint64_t random_seed = 0;            ///< shifts and rotates the brick at random; 0: as it is
     std::int64_t max_particles = 50'000'000;  ///< guard against a wrong scale
     int threads = 1;

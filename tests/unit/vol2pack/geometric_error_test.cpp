@@ -206,7 +206,7 @@ TEST(Components, ThatHoldNoParticleAreLostAndThoseThatTouchAreMerged) {
         const bool speck = (point - Vec3(58.5, 2.5, 2.5)).norm() < 0.1;
         return (tall && (one || two || far)) || speck;
     });
-    const Regions regions = component_regions(volume, {1, 2}, {}, Neighbours::faces);
+    const Regions regions = component_regions(volume, {1, 2}, {}, Connectivity::faces);
     const Tiling tiling = tiling_of(volume, 2, 0);
     const Places places = label_places(volume, tiling, &regions, {}, 2);
     const auto losses = component_losses(tiling, places, tiling.needles(), regions);
