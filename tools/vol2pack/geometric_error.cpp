@@ -179,7 +179,7 @@ ImageGeometry measure_image(const LabelVolume& volume, double cap, int threads) 
     double density = 0;
     for (const auto& needle : needles) density += needle.share / needle.length;
     const double voxels = double(size[0]) * size[1] * size[2];
-    const double wanted = std::clamp(30 * voxels, 1e4, 4e6);
+    const double wanted = std::clamp(30 * voxels, 2e4, 2e6);
     constexpr std::int64_t pieces = 64;
     struct Piece {
         std::map<std::int32_t, double> crossings;

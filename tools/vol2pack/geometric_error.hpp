@@ -16,7 +16,7 @@ namespace tomodem {
 /// Flat interfaces are measured without bias, whatever the needles stand on; a needle that passes through a bump of the
 /// interface twice is not counted, which loses the share r^2 / (12 R^2) of a sphere of radius R. Here the needles are
 /// pairs of voxels, about two voxels long, in directions spread evenly over the sphere also where voxels are not
-/// cubes; 4 million of them at most. A label's area is good to about 1 / sqrt(needles that cross it). Needles that
+/// cubes; 2 million of them at most. A label's area is good to about 1 / sqrt(needles that cross it). Needles that
 /// leave the volume end in its mirror image, so that an interface which reaches a face counts to its end.
 ///
 /// The same needles tell how thick a label is: where one of them crosses the boundary, the length of the normal that
