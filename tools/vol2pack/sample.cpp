@@ -169,6 +169,7 @@ Sample sample_volume(const LabelVolume& volume, const Tiling& tiling, const Regi
     packing.position.resize(total);
     packing.species.resize(total);
     packing.id.resize(total);
+    if (tiling.has_radii()) packing.radius.resize(total);
     const bool objects =
         regions && std::find(regions->is_object.begin(), regions->is_object.end(), true) != regions->is_object.end();
     if (objects) packing.object.resize(total);
@@ -179,6 +180,7 @@ Sample sample_volume(const LabelVolume& volume, const Tiling& tiling, const Regi
             packing.position[at] = volume.origin() + tiling.from_corner(place);
             packing.species[at] = places.label[place];
             packing.id[at] = at + 1;
+            if (tiling.has_radii()) packing.radius[at] = tiling.radius(place);
             if (objects) packing.object[at] = places.region[place];
             ++at;
         }

@@ -50,6 +50,7 @@ Tiling::Tiling(const Packing& brick, double seed_radius, const Box& box, std::ui
     if (brick.size() == 0 || !(brick.seed_radius > 0) || !(brick.box.volume() > 0))
         throw InvalidInput("the brick has no particles, no seed radius or no volume; make one with packgen");
     edges_ = brick.box.edges * (seed_radius / brick.seed_radius);
+    for (const double radius : brick.radius) radius_.push_back(radius * (seed_radius / brick.seed_radius));
     longest_needle_ = 1.4 * std::cbrt(edges_.prod() / static_cast<double>(brick.size()));
     const double expected = static_cast<double>(brick.size()) * (box.edges.prod() / edges_.prod());
     if (expected > static_cast<double>(max_particles))

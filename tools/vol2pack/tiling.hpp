@@ -30,6 +30,9 @@ class Tiling {
     std::int64_t in_brick() const { return static_cast<std::int64_t>(position_.size()); }
     std::int64_t places() const { return tiles() * in_brick(); }
     double seed_radius() const { return seed_radius_; }
+    /// The brick has spheres with radii of their own.
+    bool has_radii() const { return !radius_.empty(); }
+    double radius(std::int64_t place) const { return radius_[place % in_brick()]; }
     const Box& box() const { return box_; }
 
     /// From the lowest corner of the box [mm].
@@ -60,6 +63,7 @@ class Tiling {
     Vec3 edges_;
     std::array<bool, 3> periodic_;
     std::vector<Vec3> position_;  // in [0, edge) along the periodic axes
+    std::vector<double> radius_;  // mm, as they are in the box; empty where all are that of a seed
     Eigen::Matrix3d rotation_ = Eigen::Matrix3d::Identity();
     Vec3 shift_ = Vec3::Zero();  // of the corner of the brick, along the axes that are not periodic
     std::array<std::int32_t, 3> first_{}, count_{};
