@@ -54,7 +54,10 @@ Provenance read_provenance(const Hdf5Reader& reader) {
                           reader.one_text(group + "version"),
                           reader.one_text(group + "command_line"),
                           reader.one_text(group + "scene"),
+                          {},
                           {}};
+    if (reader.exists(group + "geometric_error"))
+        provenance.geometric_error = reader.one_text(group + "geometric_error");
     const auto names = reader.text_dataset(group + "inputs/name");
     const auto digests = reader.text_dataset(group + "inputs/sha256");
     for (std::size_t i = 0; i < std::min(names.size(), digests.size()); ++i) provenance.inputs[names[i]] = digests[i];

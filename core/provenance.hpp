@@ -13,6 +13,7 @@ struct Provenance {
     std::string command_line;
     std::string scene;                          ///< text of the scene file, empty where there was none
     std::map<std::string, std::string> inputs;  ///< file name -> SHA-256 of its content
+    std::string geometric_error{};              ///< of a sample against its image (JSON, from vol2pack), or empty
 };
 
 /// SHA-256 of a file, or of the sorted names and contents of the regular files of a folder, in hexadecimal.

@@ -30,6 +30,8 @@ void write_provenance(Hdf5Writer& writer, const Provenance& provenance) {
     writer.text_dataset(group, "command_line", {provenance.command_line}, false);
     writer.text_dataset(group, "scene", {provenance.scene}, false);
     writer.text_dataset(group, "unit_system", {"mm g s"}, false);
+    if (!provenance.geometric_error.empty())
+        writer.text_dataset(group, "geometric_error", {provenance.geometric_error}, false);
     std::vector<std::string> names, digests;
     for (const auto& [name, digest] : provenance.inputs) {
         names.push_back(name);

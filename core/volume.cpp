@@ -6,6 +6,7 @@
 #include <openvdb/tree/ValueAccessor.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "core/cli.hpp"
 #include "core/error.hpp"
@@ -233,11 +234,114 @@ std::int64_t LabelVolume::memory() const {
     return static_cast<std::int64_t>(state_->tree.memUsage());
 }
 
+namespace {
+
+using Votes = std::vector<std::pair<std::int32_t, std::int64_t>>;
+
+void vote(Votes& votes, std::int32_t label, std::int64_t weight) {
+    for (auto& [known, sum] : votes)
+        if (known == label) {
+            sum += weight;
+            return;
+        }
+    votes.emplace_back(label, weight);
+}
+
+std::int32_t winner(const Votes& votes) {
+    return std::max_element(votes.begin(), votes.end(),
+                            [](const auto& a, const auto& b) {
+                                return a.second < b.second || (a.second == b.second && a.first > b.first);
+                            })
+        ->first;
+}
+
+/// Integral of the kernel of level_set up to u (in widths).
+double smoothing_integral(double u) {
+    constexpr double of_density = 0.3989422804014327;  // 1 / sqrt(2 pi)
+    return 0.5 * std::erfc(-u * std::numbers::sqrt2 / 2) + 0.5 * u * of_density * std::exp(-0.5 * u * u);
+}
+
+}  // namespace
+
 struct LabelVolume::Sampler::State {
     explicit State(const LabelVolume::State& of) : volume(of), accessor(of.tree) {}
     const LabelVolume::State& volume;
     Accessor accessor;
+
+    /// The voxels around one that level_set looks at.
+    std::array<std::int32_t, 3> first{}, end{};
+    std::vector<std::int32_t> around;  // x slowest, as in a leaf
+    Votes votes;
+
+    /// Copies those voxels. @return false where all have one label
+    bool gather(const VoxelIndex& centre, std::int32_t reach);
+    /// Label of the level set at a place within the centre, given from its middle in voxels.
+    std::int32_t smooth(const VoxelIndex& centre, const Vec3& offset, double width);
 };
+
+bool LabelVolume::Sampler::State::gather(const VoxelIndex& centre, std::int32_t reach) {
+    for (int axis = 0; axis < 3; ++axis) {
+        first[axis] = std::max(0, centre[axis] - reach);
+        end[axis] = std::min(volume.size[axis], centre[axis] + reach + 1);
+    }
+    const std::int32_t rows = end[1] - first[1], depth = end[2] - first[2];
+    around.resize(std::size_t(end[0] - first[0]) * rows * depth);
+    const auto block_end = [&](int axis, std::int32_t i) { return std::min(end[axis], i - i % edge + edge); };
+    const std::int32_t label = accessor.getValue(openvdb::Coord(first[0], first[1], first[2]));
+    bool mixed = false;
+    for (std::int32_t x0 = first[0]; x0 < end[0]; x0 = block_end(0, x0))
+        for (std::int32_t y0 = first[1]; y0 < end[1]; y0 = block_end(1, y0))
+            for (std::int32_t z0 = first[2]; z0 < end[2]; z0 = block_end(2, z0)) {
+                const std::int32_t z1 = block_end(2, z0);
+                const Leaf* const leaf = accessor.probeConstLeaf(openvdb::Coord(x0, y0, z0));
+                const std::int32_t constant = leaf ? 0 : accessor.getValue(openvdb::Coord(x0, y0, z0));
+                const std::int32_t* const data = leaf ? leaf->buffer().data() : nullptr;
+                if (!leaf) mixed |= constant != label;
+                for (std::int32_t x = x0; x < block_end(0, x0); ++x)
+                    for (std::int32_t y = y0; y < block_end(1, y0); ++y) {
+                        std::int32_t* to =
+                            around.data() + (std::size_t(x - first[0]) * rows + (y - first[1])) * depth + z0 - first[2];
+                        if (!data) {
+                            std::fill(to, to + (z1 - z0), constant);
+                            continue;
+                        }
+                        const std::int32_t* const line = data + leaf_offset(x % edge, y % edge, 0);
+                        for (std::int32_t z = z0; z < z1; ++z) {
+                            *to++ = line[z % edge];
+                            mixed |= line[z % edge] != label;
+                        }
+                    }
+            }
+    return mixed;
+}
+
+std::int32_t LabelVolume::Sampler::State::smooth(const VoxelIndex& centre, const Vec3& offset, double width) {
+    // Whole numbers, so that equal shares tie exactly.
+    constexpr std::int32_t most = 64;
+    std::array<std::array<std::int64_t, most>, 3> weights;
+    for (int axis = 0; axis < 3; ++axis) {
+        double below = smoothing_integral((first[axis] - centre[axis] - 0.5 - offset[axis]) / width);
+        for (std::int32_t i = first[axis]; i < end[axis]; ++i) {
+            const double above = smoothing_integral((i + 1 - centre[axis] - 0.5 - offset[axis]) / width);
+            weights[axis][i - first[axis]] = std::llround((above - below) * (1 << 19));
+            below = above;
+        }
+    }
+    votes.clear();
+    const std::int32_t* label = around.data();
+    for (std::int32_t x = 0; x < end[0] - first[0]; ++x)
+        for (std::int32_t y = 0; y < end[1] - first[1]; ++y) {
+            const std::int64_t face = weights[0][x] * weights[1][y];
+            // Runs of one label along z cost one vote.
+            for (std::int32_t z = 0; z < end[2] - first[2];) {
+                const std::int32_t of_run = *label;
+                std::int64_t sum = 0;
+                for (; z < end[2] - first[2] && *label == of_run; ++z, ++label) sum += weights[2][z];
+                vote(votes, of_run, face * sum);
+            }
+        }
+    return winner(votes);
+}
 
 LabelVolume::Sampler::Sampler(const LabelVolume& volume) : state_(std::make_unique<State>(*volume.state_)) {}
 LabelVolume::Sampler::~Sampler() = default;
@@ -273,15 +377,8 @@ std::int32_t LabelVolume::Sampler::majority(const Vec3& point, double half) cons
         for (std::int32_t i = first[axis]; i < end[axis]; ++i)
             weights[axis].push_back(std::llround(1024 * (std::min(high, i + 1.0) - std::max(low, double(i)))));
     }
-    std::vector<std::pair<std::int32_t, std::int64_t>> votes;
-    const auto vote = [&votes](std::int32_t label, std::int64_t weight) {
-        for (auto& [known, sum] : votes)
-            if (known == label) {
-                sum += weight;
-                return;
-            }
-        votes.emplace_back(label, weight);
-    };
+    Votes& votes = state_->votes;
+    votes.clear();
     const auto part = [&](int axis, std::int32_t from, std::int32_t to) {
         std::int64_t sum = 0;
         for (std::int32_t i = from; i < to; ++i) sum += weights[axis][i - first[axis]];
@@ -295,7 +392,7 @@ std::int32_t LabelVolume::Sampler::majority(const Vec3& point, double half) cons
                 const openvdb::Coord corner(x0, y0, z0);
                 const Leaf* const leaf = state_->accessor.probeConstLeaf(corner);
                 if (!leaf) {
-                    vote(state_->accessor.getValue(corner), part(0, x0, x1) * part(1, y0, y1) * part(2, z0, z1));
+                    vote(votes, state_->accessor.getValue(corner), part(0, x0, x1) * part(1, y0, y1) * part(2, z0, z1));
                     continue;
                 }
                 const std::int32_t* const data = leaf->buffer().data();
@@ -303,13 +400,30 @@ std::int32_t LabelVolume::Sampler::majority(const Vec3& point, double half) cons
                     for (std::int32_t y = y0; y < y1; ++y) {
                         const std::int64_t face = weights[0][x - first[0]] * weights[1][y - first[1]];
                         const std::int32_t* const line = data + leaf_offset(x % edge, y % edge, 0);
-                        for (std::int32_t z = z0; z < z1; ++z) vote(line[z % edge], face * weights[2][z - first[2]]);
+                        for (std::int32_t z = z0; z < z1; ++z)
+                            vote(votes, line[z % edge], face * weights[2][z - first[2]]);
                     }
             }
-    const auto winner = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
-        return a.second < b.second || (a.second == b.second && a.first > b.first);
-    });
-    return winner->first;
+    return winner(votes);
+}
+
+std::int32_t LabelVolume::Sampler::level_set(const Vec3& point, double width) const {
+    State& state = *state_;
+    if (!(width >= 0.2 && width <= 8)) throw std::out_of_range("width of the level set's smoothing");
+    VoxelIndex voxel;
+    Vec3 offset;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double at = (point[axis] - state.volume.origin[axis]) / state.volume.spacing[axis];
+        if (!(at >= 0 && at < state.volume.size[axis])) return 0;
+        voxel[axis] = static_cast<std::int32_t>(at);
+        offset[axis] = at - (voxel[axis] + 0.5);
+    }
+    // Beyond 3.5 widths there is a thousandth of the kernel.
+    const bool mixed = state.gather(voxel, static_cast<std::int32_t>(std::ceil(3.5 * width)));
+    if (!mixed) return state.around.front();
+    const std::int32_t own = state.accessor.getValue(openvdb::Coord(voxel[0], voxel[1], voxel[2]));
+    const std::int32_t label = state.smooth(voxel, offset, width);
+    return label == own || state.smooth(voxel, Vec3::Zero(), width) == own ? label : own;
 }
 
 }  // namespace tomodem

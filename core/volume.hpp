@@ -57,6 +57,16 @@ class LabelVolume {
         /// count by the part of them within the box (to 1/1024 of a voxel an axis); what sticks out of the volume
         /// does not vote, so that its faces are not eaten away.
         std::int32_t majority(const Vec3& point, double half) const;
+        /// Label whose smoothed indicator is the largest at `point` (ties: the smallest label): the interfaces are
+        /// level sets, smooth where those of the voxels are stairs.
+        ///
+        /// The smoothing has the width `width` [voxels, along each axis] and a kernel without second moment,
+        /// (3/2 - u^2/2) exp(-u^2/2) along each axis with u = distance / width: a Gaussian would move a curved
+        /// interface by width^2 / R and shrink all that is round. What is too thin for the level set to hold the centre
+        /// of its own voxel (a wire, a speck) keeps that whole voxel: nothing thin is lost. What sticks out of the
+        /// volume does not count, as in majority().
+        /// @param width  0.2 to 8; cost grows as its cube where labels meet
+        std::int32_t level_set(const Vec3& point, double width) const;
 
      private:
         struct State;
@@ -113,7 +123,14 @@ enum class Joining {
     same_label,  ///< both have the same label
 };
 
-/// Connected components (face neighbours) of the voxels of some labels.
+/// Which voxels around one are its neighbours.
+enum class Connectivity {
+    faces,    ///< the 6 that share a face with it
+    edges,    ///< the 18 that share a face or an edge
+    corners,  ///< the 26 that share a face, an edge or a corner
+};
+
+/// Connected components of the voxels of some labels.
 struct Components {
     LabelVolume number;                ///< of the component, from 1 in raster order of their first voxels; 0 elsewhere
     std::vector<std::int64_t> voxels;  ///< of each component (index 0: component 1)
@@ -122,11 +139,12 @@ struct Components {
 
 /// @note time linear in the voxels; beside the result two slabs and 8 bytes for each run of equal voxels along x
 Components connected_components(const LabelVolume& volume, const std::vector<std::int32_t>& labels,
-                                Joining joining = Joining::any_label);
+                                Joining joining = Joining::any_label, Connectivity connectivity = Connectivity::faces);
 
-/// Gives each component of `labels` (same_label) with fewer than `min_voxels` voxels the label that most of its outer
-/// face neighbours have (ties: the smallest), as they were before. @return number of components that were changed
+/// Gives each component of `labels` (same_label, by these neighbours) with fewer than `min_voxels` voxels the label
+/// that most of its outer face neighbours have (ties: the smallest), as they were before. @return number of components
+/// that were changed
 std::int64_t remove_small_components(LabelVolume& volume, const std::vector<std::int32_t>& labels,
-                                     std::int64_t min_voxels);
+                                     std::int64_t min_voxels, Connectivity by = Connectivity::faces);
 
 }  // namespace tomodem

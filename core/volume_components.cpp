@@ -64,19 +64,26 @@ struct SliceRuns {
     }
 };
 
-/// Joins the runs of row ya of a with those of row yb of b that share a face with them.
-void join_rows(const SliceRuns& a, std::int32_t ya, const SliceRuns& b, std::int32_t yb, Joining joining,
-               UnionFind& sets) {
+/// Joins the runs of row ya of a with those of row yb of b that overlap them along x, or with `reach` 1 touch.
+void join_rows(const SliceRuns& a, std::int32_t ya, const SliceRuns& b, std::int32_t yb, std::int32_t reach,
+               Joining joining, UnionFind& sets) {
     std::uint32_t i = a.row_start[ya], j = b.row_start[yb];
     const std::uint32_t i_end = a.row_start[ya + 1], j_end = b.row_start[yb + 1];
+    const auto try_join = [&](std::uint32_t of_a, std::uint32_t of_b) {
+        const Run &left = a.runs[of_a], &right = b.runs[of_b];
+        if (left.x0 < right.x1 + reach && right.x0 < left.x1 + reach &&
+            (joining == Joining::any_label || left.label == right.label))
+            sets.join(a.first_number + of_a, b.first_number + of_b);
+    };
     while (i < i_end && j < j_end) {
-        const Run &left = a.runs[i], &right = b.runs[j];
-        if (left.x0 < right.x1 && right.x0 < left.x1 && (joining == Joining::any_label || left.label == right.label))
-            sets.join(a.first_number + i, b.first_number + j);
-        if (left.x1 < right.x1)
+        try_join(i, j);
+        if (a.runs[i].x1 < b.runs[j].x1) {
             ++i;
-        else
+        } else {
+            // Both end here: the run that is left behind may touch the other row's next one.
+            if (reach > 0 && a.runs[i].x1 == b.runs[j].x1 && i + 1 < i_end) try_join(i + 1, j);
             ++j;
+        }
     }
 }
 
@@ -95,7 +102,11 @@ void for_each_slice(const LabelVolume& volume, const Visit& visit) {
 
 }  // namespace
 
-Components connected_components(const LabelVolume& volume, const std::vector<std::int32_t>& labels, Joining joining) {
+Components connected_components(const LabelVolume& volume, const std::vector<std::int32_t>& labels, Joining joining,
+                                Connectivity connectivity) {
+    // Rows one step away share faces, and edges where x differs too; rows two steps away share edges, and corners.
+    const std::int32_t reach_near = connectivity == Connectivity::faces ? 0 : 1;
+    const std::int32_t reach_far = connectivity == Connectivity::corners ? 1 : 0;
     std::vector<std::int32_t> wanted = labels;
     std::sort(wanted.begin(), wanted.end());
     const VoxelIndex size = volume.size();
@@ -113,8 +124,12 @@ Components connected_components(const LabelVolume& volume, const std::vector<std
                     current.runs[i - 1].x1 == current.runs[i].x0)
                     sets.join(number - 1, number);
             }
-            if (y > 0) join_rows(current, y, current, y - 1, joining, sets);
-            if (k > 0) join_rows(current, y, previous, y, joining, sets);
+            if (y > 0) join_rows(current, y, current, y - 1, reach_near, joining, sets);
+            if (k == 0) continue;
+            join_rows(current, y, previous, y, reach_near, joining, sets);
+            if (connectivity == Connectivity::faces) continue;
+            if (y > 0) join_rows(current, y, previous, y - 1, reach_far, joining, sets);
+            if (y + 1 < size[1]) join_rows(current, y, previous, y + 1, reach_far, joining, sets);
         }
     });
 
@@ -150,8 +165,8 @@ Components connected_components(const LabelVolume& volume, const std::vector<std
 }
 
 std::int64_t remove_small_components(LabelVolume& volume, const std::vector<std::int32_t>& labels,
-                                     std::int64_t min_voxels) {
-    const Components components = connected_components(volume, labels, Joining::same_label);
+                                     std::int64_t min_voxels, Connectivity by) {
+    const Components components = connected_components(volume, labels, Joining::same_label, by);
     const VoxelIndex size = volume.size();
     const std::int64_t page = std::int64_t{size[0]} * size[1];
     std::map<std::int32_t, std::map<std::int32_t, std::int64_t>> neighbours;  // of each small component

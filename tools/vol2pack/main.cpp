@@ -6,7 +6,10 @@
 #include "core/cli.hpp"
 #include "core/packing_file.hpp"
 #include "core/volume_cli.hpp"
+#include "tools/vol2pack/geometric_error.hpp"
+#include "tools/vol2pack/phase_clock.hpp"
 #include "tools/vol2pack/phase_report.hpp"
+#include "tools/vol2pack/resolution.hpp"
 #include "tools/vol2pack/sample.hpp"
 
 namespace {
@@ -15,10 +18,12 @@ using namespace tomodem;
 struct Request {
     std::filesystem::path brick, sample;
     VolumeRequest volume;
-    double pixels_per_seed = 0.0;
-    std::string filter = "nearest";
-    double box_size = 1.0;
-    std::string labels, objects;
+    double pixels_per_seed = 0.0, max_error = 0.0;
+    std::string filter = "level-set";
+    double box_size = LabelFilter{}.box_size, smoothing = LabelFilter{}.smoothing;
+    std::string labels, objects, label_objects;
+    std::string connectivity = "6";
+    bool skip_components = false;
     std::int64_t min_component = 0;
     std::int64_t random_seed = 0;
     std::int64_t max_particles = 50'000'000;
@@ -29,63 +34,138 @@ cli::Usage usage(Request& request) {
     usage.input("brick", request.brick, "periodic packing (.h5, from packgen), repeated as far as the image goes");
     add_volume(usage, request.volume)
         .output("sample", request.sample, "sample to write (.h5)")
-        .required("--pixels-per-seed", request.pixels_per_seed, cli::Unit::voxels, cli::positive,
-                  "radius of a particle's seed; smaller is finer and costs more")
-        .choice("--filter", request.filter, {"nearest", "box"},
-                "label of the voxel at the centre, or the one that fills most of a box around it")
+        .option("--pixels-per-seed", request.pixels_per_seed, cli::Unit::voxels, cli::positive,
+                "radius of a particle's seed, in edges of a voxel along x; smaller is finer and costs more")
+        .option("--max-error", request.max_error, cli::Unit::percent, cli::positive,
+                "instead: the coarsest resolution at which the volume of every label, void included, is this close")
+        .exclusive({"--pixels-per-seed", "--max-error"})
+        .choice("--filter", request.filter, {"level-set", "nearest", "box"},
+                "label on whose side of a smooth interface the centre is, or of the voxel at the centre, or the one "
+                "that fills most of a box around it")
+        .option("--smoothing", request.smoothing, cli::Unit::voxels, {0.2, 8, true, true},
+                "width of the smoothing of --filter level-set")
         .option("--box-size", request.box_size, cli::Unit::none, cli::positive,
                 "edge of the box of --filter box, in diameters of a seed")
         .option("--labels", request.labels,
                 "names of the labels, as 1=matrix,2=inclusion; a label of the image that is not named is then an error")
         .option("--objects", request.objects,
-                "labels of which each connected component (by faces) becomes an object of its own, as 2,3")
+                "labels of which each connected component becomes an object of its own, as 2,3; or all")
+        .option("--label-objects", request.label_objects,
+                "labels of the image that are one object each, and their label in the sample, as 2:500=1 (watershed)")
+        .choice("--connectivity", request.connectivity, {"6", "18", "26"},
+                "neighbours of a voxel: by faces, by edges too, by corners too")
         .option("--min-component", request.min_component, cli::Unit::voxels, cli::not_negative,
                 "smaller connected components, void apart, take the label that surrounds them")
+        .flag("--skip-components", request.skip_components,
+              "do not count components lost and merged: saves time and memory with very large images")
         .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,
-                "shift the brick by a random vector, for several samples of one image; 0: no shift")
+                "shift and rotate the brick at random, for several samples of one image; 0: as it is")
         .option("--max-particles", request.max_particles, cli::Unit::particles, cli::positive,
                 "refuse to make more (a wrong scale fills the memory)")
         .example("vol2pack brick.h5 stack/ sample.h5 --voxel-size 2.4um --pixels-per-seed 2")
         .example(
-            "vol2pack brick.h5 stack.tif sample.h5 --voxel-size 3um --pixels-per-seed 4 --filter box "
-            "--labels 1=inclusion,2=matrix --objects 1 --min-component 27");
+            "vol2pack brick.h5 stack/ sample.h5 --voxel-size 2.4um --max-error 2% --labels 1=strut --random-seed 3")
+        .example(
+            "vol2pack brick.h5 stack.tif sample.h5 --voxel-size 3um --pixels-per-seed 4 "
+            "--labels 1=inclusion,2=matrix --objects 1 --connectivity 26 --min-component 27");
     return usage;
 }
 
+LabelFilter filter_of(const Request& request) {
+    for (const auto& [flag, filter] : {std::pair{"--box-size", "box"}, {"--smoothing", "level-set"}})
+        if (cli::given(flag) && request.filter != filter)
+            throw WrongUsage(fmt::format("{} belongs to --filter {}", flag, filter));
+    const Filter kind = request.filter == "box"       ? Filter::box
+                        : request.filter == "nearest" ? Filter::nearest
+                                                      : Filter::level_set;
+    return {kind, request.box_size, request.smoothing};
+}
+
+Connectivity connectivity_of(const Request& request) {
+    return request.connectivity == "6"    ? Connectivity::faces
+           : request.connectivity == "18" ? Connectivity::edges
+                                          : Connectivity::corners;
+}
+
+std::vector<std::int32_t> labels_with_objects(const Request& request, const Histogram& image) {
+    if (request.objects != "all")
+        return request.objects.empty() ? std::vector<std::int32_t>{} : parse_labels("--objects", request.objects);
+    std::vector<std::int32_t> labels;
+    for (const auto& [label, voxels] : image)
+        if (label != 0) labels.push_back(label);
+    return labels;
+}
+
+void remove_small(LabelVolume& volume, const Request& request) {
+    if (request.min_component == 0) return;
+    std::vector<std::int32_t> solid;
+    for (const auto& [label, voxels] : volume.histogram())
+        if (label != 0) solid.push_back(label);
+    cli::report("small_components_removed",
+                remove_small_components(volume, solid, request.min_component, connectivity_of(request)));
+}
+
+double seed_radius_of(const Request& request, const LabelVolume& volume, const Packing& brick) {
+    const double pixel = volume.spacing()[0];
+    if (cli::given("--pixels-per-seed")) return request.pixels_per_seed * pixel;
+    const double max_error = request.max_error / 100;
+    const auto steps = choose_resolution(volume, brick,
+                                         {.max_error = max_error,
+                                          .pixel = pixel,
+                                          .filter = filter_of(request),
+                                          .random_seed = static_cast<std::uint64_t>(request.random_seed),
+                                          .max_particles = request.max_particles,
+                                          .threads = cli::threads()});
+    report_resolution(steps, max_error);
+    return steps.back().pixels_per_seed * pixel;
+}
+
 void run(const Request& request) {
+    if (!cli::given("--pixels-per-seed") && !cli::given("--max-error"))
+        throw WrongUsage("give the resolution: --pixels-per-seed, or --max-error");
+    const LabelFilter filter = filter_of(request);
     const VolumeOptions volume_request = volume_options(request.volume);
     const auto names =
         request.labels.empty() ? std::map<std::int32_t, std::string>{} : parse_label_names("--labels", request.labels);
-    SampleOptions options;
-    if (!request.objects.empty()) options.object_labels = parse_labels("--objects", request.objects);
-    if (request.filter == "nearest" && cli::given("--box-size")) throw WrongUsage("--box-size belongs to --filter box");
+    const auto label_objects = request.label_objects.empty()
+                                   ? std::vector<LabelObjects>{}
+                                   : parse_label_objects("--label-objects", request.label_objects);
 
+    PhaseClock clock;
     const Packing brick = read_packing(request.brick);
     LabelVolume volume = read_label_volume(request.volume.path, volume_request);
-    const auto image = volume.histogram();
-    check_labels(image, names, options.object_labels);
-    if (request.min_component > 0) {
-        std::vector<std::int32_t> solid;
-        for (const auto& [label, voxels] : image)
-            if (label != 0) solid.push_back(label);
-        cli::report("small_components_removed", remove_small_components(volume, solid, request.min_component));
-    }
+    clock.done("reading");
+    const Histogram image = species_histogram(volume, label_objects);
+    const auto object_labels = labels_with_objects(request, image);
+    check_labels(image, names, object_labels);
+    remove_small(volume, request);
+    const auto regions = tell_regions_apart(volume, object_labels, label_objects, connectivity_of(request),
+                                            request.skip_components ? Regions::Of::objects : Regions::Of::everything);
+    clock.done("components");
 
-    options.seed_radius = request.pixels_per_seed * volume.spacing()[0];
-    options.filter = request.filter == "box" ? Filter::box : Filter::nearest;
-    options.box_size = request.box_size * 2 * options.seed_radius;
-    options.random_seed = static_cast<std::uint64_t>(request.random_seed);
-    options.max_particles = request.max_particles;
-    options.threads = cli::threads();
-    const Sample sample = sample_volume(volume, brick, options);
+    const double seed_radius = seed_radius_of(request, volume, brick);
+    clock.done("resolution");
+    const Tiling tiling(brick, seed_radius, {volume.origin(), volume.extent(), {false, false, false}},
+                        static_cast<std::uint64_t>(request.random_seed), request.max_particles);
+    const Sample sample = sample_volume(volume, tiling, regions ? &*regions : nullptr, filter, cli::threads());
+    clock.done("sampling");
 
     cli::report("particles", static_cast<std::int64_t>(sample.packing.size()));
     cli::report("seed_radius", sample.packing.seed_radius, "mm");
     const auto phases = compare_phases(image, volume.histogram(), sample, names);
     report_phases(phases);
-    if (!options.object_labels.empty()) report_objects(sample);
+    if (!object_labels.empty() || !label_objects.empty()) report_objects(sample);
     check_phases(phases);
-    write_packing(sample.packing, request.sample, cli::provenance());
+    const GeometricError error = geometric_error(
+        volume, tiling, sample.places, regions && !request.skip_components ? &*regions : nullptr, cli::threads());
+    report_geometric_error(error);
+    clock.done("geometric_error");
+
+    Provenance provenance = cli::provenance();
+    provenance.geometric_error = error.json();
+    write_packing(sample.packing, request.sample, provenance);
+    clock.done("writing");
+    clock.report();
 }
 }  // namespace
 

@@ -120,10 +120,11 @@ void report_objects(const Sample& sample) {
     if (!sample.object_particles.empty())
         cli::report("smallest_object",
                     *std::min_element(sample.object_particles.begin(), sample.object_particles.end()), "particles");
+    cli::report_json("object_numbers", nlohmann::json(sample.object_number).dump());
     cli::report_json("object_particles", nlohmann::json(sample.object_particles).dump());
     if (sample.lost_components() > 0)
         cli::warn(
-            fmt::format("{} of {} connected components are too small to hold a particle and are no objects; use "
+            fmt::format("{} of {} objects of the image are too small to hold a particle and are not in the sample; use "
                         "fewer --pixels-per-seed, or remove them with --min-component",
                         sample.lost_components(), sample.components));
 }

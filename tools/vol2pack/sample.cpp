@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
-#include <random>
 
 #include "core/error.hpp"
 #include "core/volume_parallel.hpp"
@@ -13,65 +13,32 @@
 namespace tomodem {
 namespace {
 
-/// Uniform in [0, 1), the same with every standard library.
-double uniform(std::mt19937_64& random) {
-    return static_cast<double>(random() >> 11) * 0x1p-53;
-}
-
-/// The brick at the sample's scale: positions in [0, edge) from its corner.
-struct ScaledBrick {
-    Vec3 edges;
-    std::vector<Vec3> position;
-};
-
-ScaledBrick scale(const Packing& brick, const SampleOptions& options) {
-    if (brick.size() == 0 || !(brick.seed_radius > 0) || !(brick.box.volume() > 0))
-        throw InvalidInput("the brick has no particles, no seed radius or no volume; make one with packgen");
-    if (!(brick.box.periodic[0] && brick.box.periodic[1] && brick.box.periodic[2]))
-        throw InvalidInput(
-            "the brick is not periodic along x, y and z, so it cannot be repeated; make one with packgen");
-    const double factor = options.seed_radius / brick.seed_radius;
-    ScaledBrick scaled{brick.box.edges * factor, {}};
-    Vec3 shift = Vec3::Zero();
-    if (options.random_seed != 0) {
-        std::mt19937_64 random(options.random_seed);
-        for (double& component : shift) component = uniform(random);
-    }
-    scaled.position.reserve(brick.size());
-    for (const Vec3& position : brick.position) {
-        Vec3 fraction = (position - brick.box.origin).cwiseQuotient(brick.box.edges) + shift;
-        if (!fraction.allFinite()) throw InvalidInput("the brick has a position that is not a number");
-        for (double& component : fraction) {
-            component -= std::floor(component);
-            if (component >= 1) component = 0;  // a negative number too small to change 1
-        }
-        scaled.position.push_back(fraction.cwiseProduct(scaled.edges));
-    }
-    return scaled;
-}
-
-/// Finds labels and objects; one a thread.
+/// Finds labels and regions; one a thread.
 class Labeller {
  public:
-    Labeller(const LabelVolume& volume, const std::optional<Components>& components, Filter filter, double half)
-        : volume_(volume), components_(components), sampler_(volume), filter_(filter), half_(half) {
+    Labeller(const LabelVolume& volume, const Components* components, const LabelFilter& filter, double seed_radius)
+        : volume_(volume), components_(components), sampler_(volume), filter_(filter) {
         if (components) numbers_.emplace(components->number);
+        if (filter.kind == Filter::box) reach_.setConstant(filter.box_size * seed_radius);
+        if (filter.kind == Filter::level_set) reach_ = std::ceil(3.5 * filter.smoothing) * volume.spacing();
     }
 
     std::int32_t label(const Vec3& point) const {
-        return filter_ == Filter::nearest ? sampler_.nearest(point) : sampler_.majority(point, half_);
+        if (filter_.kind == Filter::nearest) return sampler_.nearest(point);
+        return filter_.kind == Filter::box ? sampler_.majority(point, reach_[0])
+                                           : sampler_.level_set(point, filter_.smoothing);
     }
 
-    /// Component of a particle of this label: the one under it, or where the box filter gave it a label that the voxel
-    /// under it does not have, the one with the nearest voxel of that label in the box. 0: none.
-    std::int32_t component(const Vec3& point, std::int32_t label) const {
+    /// Region of a particle of this label: the one under it, or where a filter gave it a label that the voxel under it
+    /// does not have, the one with the nearest voxel of that label that the filter looked at. 0: none.
+    std::int32_t region(const Vec3& point, std::int32_t label) const {
         const std::int32_t under = numbers_->nearest(point);
         if (under > 0 && components_->label[under - 1] == label) return under;
-        if (filter_ == Filter::nearest) return 0;
+        if (filter_.kind == Filter::nearest) return 0;
         VoxelIndex first, last;
         const Vec3 at = (point - volume_.origin()).cwiseQuotient(volume_.spacing());
         for (int axis = 0; axis < 3; ++axis) {
-            const double half = half_ / volume_.spacing()[axis];
+            const double half = reach_[axis] / volume_.spacing()[axis];
             first[axis] = std::max(0, static_cast<std::int32_t>(std::floor(at[axis] - half)));
             last[axis] = std::min(volume_.size()[axis] - 1, static_cast<std::int32_t>(std::floor(at[axis] + half)));
         }
@@ -94,117 +61,141 @@ class Labeller {
 
  private:
     const LabelVolume& volume_;
-    const std::optional<Components>& components_;
+    const Components* components_;
     LabelVolume::Sampler sampler_;
     std::optional<LabelVolume::Sampler> numbers_;
-    Filter filter_;
-    double half_;
+    LabelFilter filter_;
+    Vec3 reach_ = Vec3::Zero();
 };
 
-/// The particles that one piece of one copy of the brick brings.
-struct Piece {
-    std::vector<Vec3> position;
-    std::vector<std::int32_t> species, component;
-    std::vector<double> radius;
-    std::map<std::int32_t, std::int64_t> labelled;
-};
+/// Places that one thread looks at in one go.
+constexpr std::int64_t piece_size = 1 << 14;
+
+/// Calls visit(piece, first, end) for all places, piece by piece.
+template <class Visit>
+void for_each_piece(const Tiling& tiling, int threads, const Visit& visit) {
+    parallel_for((tiling.places() + piece_size - 1) / piece_size, threads, [&](std::int64_t piece) {
+        visit(piece, piece * piece_size, std::min((piece + 1) * piece_size, tiling.places()));
+    });
+}
+
+/// Numbers the objects and counts their particles; `packing.object` holds regions before and objects after.
+void number_objects(Sample& sample, const Regions& regions) {
+    const std::size_t count = regions.is_object.size();
+    std::vector<std::int64_t> particles(count + 1, 0);
+    for (const std::int32_t region : sample.packing.object) ++particles[region];
+    const std::int32_t largest =
+        regions.image_label.empty() ? 0 : *std::max_element(regions.image_label.begin(), regions.image_label.end());
+    std::vector<std::int32_t> number(count + 1, 0);
+    std::map<std::int32_t, std::int64_t> objects;
+    std::int32_t next = largest;
+    for (std::size_t region = 1; region <= count; ++region) {
+        if (!regions.is_object[region - 1]) continue;
+        ++sample.components;
+        if (particles[region] == 0) continue;
+        const std::int32_t label = regions.image_label[region - 1];
+        number[region] = label > 0 ? label : ++next;
+        objects[number[region]] = particles[region];
+    }
+    for (const auto& [object, of_object] : objects) {
+        sample.object_number.push_back(object);
+        sample.object_particles.push_back(of_object);
+    }
+    for (std::int32_t& region : sample.packing.object) region = number[region];
+}
 
 }  // namespace
+
+std::map<std::int32_t, std::int64_t> Places::count() const {
+    std::map<std::int32_t, std::int64_t> counts;
+    for (std::size_t i = 0; i < label.size();) {
+        const std::size_t start = i;
+        while (i < label.size() && label[i] == label[start]) ++i;
+        if (label[start] >= 0) counts[label[start]] += static_cast<std::int64_t>(i - start);
+    }
+    return counts;
+}
 
 std::int64_t Sample::lost_components() const {
     return components - static_cast<std::int64_t>(object_particles.size());
 }
 
-Sample sample_volume(const LabelVolume& volume, const Packing& brick, const SampleOptions& options) {
-    if (!(options.seed_radius > 0)) throw InvalidInput("the seed radius of a sample must be more than 0");
-    const ScaledBrick scaled = scale(brick, options);
-    const Vec3 extent = volume.extent();
-    const double expected = brick.size() * (extent.prod() / scaled.edges.prod());
-    if (expected > static_cast<double>(options.max_particles))
-        throw InvalidInput(
-            fmt::format("the image would be filled with about {:.3g} particles, more than the {} allowed; "
-                        "use more pixels per seed, or allow more",
-                        expected, options.max_particles));
-
-    std::optional<Components> components;
-    if (!options.object_labels.empty())
-        components = connected_components(volume, options.object_labels, Joining::same_label);
-
-    std::array<std::int64_t, 3> tiles;
-    for (int axis = 0; axis < 3; ++axis)
-        tiles[axis] = std::max<std::int64_t>(1, std::llround(std::ceil(extent[axis] / scaled.edges[axis])));
-    constexpr std::int64_t piece_size = 1 << 15;
-    const auto in_brick = static_cast<std::int64_t>(scaled.position.size());
-    const std::int64_t pieces_per_tile = (in_brick + piece_size - 1) / piece_size;
-    std::vector<Piece> pieces(tiles[0] * tiles[1] * tiles[2] * pieces_per_tile);
-    const double half = (options.box_size > 0 ? options.box_size : 2 * options.seed_radius) / 2;
-    parallel_for(static_cast<std::int64_t>(pieces.size()), options.threads, [&](std::int64_t number) {
-        const Labeller labeller(volume, components, options.filter, half);
-        Piece& piece = pieces[number];
-        const std::int64_t tile = number / pieces_per_tile, first = number % pieces_per_tile * piece_size;
-        const Vec3 index(static_cast<double>(tile % tiles[0]), static_cast<double>(tile / tiles[0] % tiles[1]),
-                         static_cast<double>(tile / tiles[0] / tiles[1]));
-        const Vec3 corner = index.cwiseProduct(scaled.edges);
-        for (std::int64_t i = first; i < std::min(first + piece_size, in_brick); ++i) {
-            const Vec3 inside = corner + scaled.position[i];
-            if (!(inside.array() < extent.array()).all()) continue;
-            const Vec3 position = volume.origin() + inside;
+Places label_places(const LabelVolume& volume, const Tiling& tiling, const Regions* regions, const LabelFilter& filter,
+                    int threads) {
+    const auto labels = volume.histogram();
+    if (!labels.empty() && labels.begin()->first < 0)
+        throw InvalidInput(fmt::format("the image has the negative label {}", labels.begin()->first));
+    Places places;
+    places.label.assign(tiling.places(), Places::outside);
+    if (regions) places.region.assign(tiling.places(), 0);
+    for_each_piece(tiling, threads, [&](std::int64_t, std::int64_t first, std::int64_t end) {
+        const Labeller labeller(volume, regions ? &regions->components : nullptr, filter, tiling.seed_radius());
+        for (std::int64_t place = first; place < end; ++place) {
+            const Vec3 inside = tiling.from_corner(place);
+            if (!tiling.in_margin(inside)) continue;
+            const bool in_box = tiling.in_box(inside);
+            const Vec3 position = volume.origin() + (in_box ? inside : tiling.mirrored(inside));
             const std::int32_t label = labeller.label(position);
-            ++piece.labelled[label];
-            if (label == 0) continue;
-            piece.position.push_back(position);
-            piece.species.push_back(label);
-            if (!brick.radius.empty())
-                piece.radius.push_back(brick.radius[i] * (options.seed_radius / brick.seed_radius));
-            if (components)
-                piece.component.push_back(
-                    std::binary_search(options.object_labels.begin(), options.object_labels.end(), label)
-                        ? labeller.component(position, label)
-                        : 0);
+            places.label[place] = in_box ? label : -1 - label;
+            if (regions && in_box) places.region[place] = labeller.region(position, places.label[place]);
         }
     });
+    return places;
+}
 
+Sample sample_volume(const LabelVolume& volume, const Tiling& tiling, const Regions* regions, const LabelFilter& filter,
+                     int threads) {
     Sample sample;
-    Packing& packing = sample.packing;
-    packing.box = {volume.origin(), extent, {false, false, false}};
-    packing.seed_radius = options.seed_radius;
-    std::size_t total = 0;
-    for (const Piece& piece : pieces) total += piece.position.size();
-    packing.position.reserve(total);
-    packing.species.reserve(total);
-    if (components) packing.object.reserve(total);
-    for (Piece& piece : pieces) {
-        packing.position.insert(packing.position.end(), piece.position.begin(), piece.position.end());
-        packing.species.insert(packing.species.end(), piece.species.begin(), piece.species.end());
-        packing.radius.insert(packing.radius.end(), piece.radius.begin(), piece.radius.end());
-        packing.object.insert(packing.object.end(), piece.component.begin(), piece.component.end());
-        for (const auto& [label, particles] : piece.labelled) {
-            sample.labelled[label] += particles;
-            sample.candidates += particles;
-        }
-        piece = {};
-    }
-    if (packing.position.empty())
+    sample.places = label_places(volume, tiling, regions, filter, threads);
+    const Places& places = sample.places;
+    sample.labelled = places.count();
+    for (const auto& [label, particles] : sample.labelled) sample.candidates += particles;
+
+    const auto kept = [&](std::int64_t place) { return places.label[place] > 0; };
+    std::vector<std::int64_t> start((tiling.places() + piece_size - 1) / piece_size + 1, 0);
+    for_each_piece(tiling, threads, [&](std::int64_t piece, std::int64_t first, std::int64_t end) {
+        for (std::int64_t place = first; place < end; ++place) start[piece + 1] += kept(place);
+    });
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    const std::int64_t total = start.back();
+    if (total == 0)
         throw InvalidInput(fmt::format("no particle is left: {}",
                                        sample.candidates == 0
                                            ? "the image is smaller than a particle; use fewer pixels per seed"
                                            : "all of them lie in void (label 0); check the labels or the threshold"));
+    Packing& packing = sample.packing;
+    packing.box = tiling.box();
+    packing.seed_radius = tiling.seed_radius();
+    packing.position.resize(total);
+    packing.species.resize(total);
     packing.id.resize(total);
-    for (std::size_t i = 0; i < total; ++i) packing.id[i] = static_cast<std::int64_t>(i + 1);
-
-    if (components) {
-        sample.components = static_cast<std::int64_t>(components->voxels.size());
-        std::vector<std::int64_t> particles(components->voxels.size() + 1, 0);
-        for (const std::int32_t component : packing.object) ++particles[component];
-        std::vector<std::int32_t> object(particles.size(), 0);
-        for (std::size_t component = 1; component < particles.size(); ++component)
-            if (particles[component] > 0) {
-                sample.object_particles.push_back(particles[component]);
-                object[component] = static_cast<std::int32_t>(sample.object_particles.size());
-            }
-        for (std::int32_t& number : packing.object) number = object[number];
-    }
+    if (tiling.has_radii()) packing.radius.resize(total);
+    const bool objects =
+        regions && std::find(regions->is_object.begin(), regions->is_object.end(), true) != regions->is_object.end();
+    if (objects) packing.object.resize(total);
+    for_each_piece(tiling, threads, [&](std::int64_t piece, std::int64_t first, std::int64_t end) {
+        std::int64_t at = start[piece];
+        for (std::int64_t place = first; place < end; ++place) {
+            if (!kept(place)) continue;
+            packing.position[at] = volume.origin() + tiling.from_corner(place);
+            packing.species[at] = places.label[place];
+            packing.id[at] = at + 1;
+            if (tiling.has_radii()) packing.radius[at] = tiling.radius(place);
+            if (objects) packing.object[at] = places.region[place];
+            ++at;
+        }
+    });
+    if (objects) number_objects(sample, *regions);
     return sample;
+}
+
+Sample sample_volume(const LabelVolume& volume, const Packing& brick, const SampleOptions& options) {
+    const Tiling tiling(brick, options.seed_radius, {volume.origin(), volume.extent(), {false, false, false}},
+                        options.random_seed, options.max_particles);
+    std::optional<Regions> regions;
+    if (!options.object_labels.empty())
+        regions = component_regions(volume, options.object_labels, options.object_labels, options.connectivity);
+    return sample_volume(volume, tiling, regions ? &*regions : nullptr, options.filter, options.threads);
 }
 
 }  // namespace tomodem

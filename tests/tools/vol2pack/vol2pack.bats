@@ -1,34 +1,6 @@
 # vol2pack from a TIFF to a sample, and what it refuses.
 
-setup_file() {
-    cd "$BATS_FILE_TMPDIR"
-    "$TOMODEM_BIN/../tests/jittered_brick" brick.h5 --quiet
-    "$TOMODEM_BIN/phantom_inclusions" composite.tif --size 80 --voxel-size 10um --fraction 0.15 --count 8 --quiet
-}
-
-setup() {
-    cd "$BATS_TEST_TMPDIR"
-    cp "$BATS_FILE_TMPDIR"/{brick.h5,composite.tif,composite.json} .
-}
-
-vol2pack() {
-    "$TOMODEM_BIN/vol2pack" "$@"
-}
-
-# refused STATUS TEXT COMMAND...: one line on stderr, this exit status, no sample.
-refused() {
-    local wanted_status=$1 text=$2
-    shift 2
-    run --separate-stderr "$@"
-    echo "status $status: $stderr"
-    [ "$status" -eq "$wanted_status" ]
-    [ "${#stderr_lines[@]}" -eq 1 ]
-    [[ "$stderr" == "vol2pack: "*"$text"* ]]
-    [ ! -e out.h5 ]
-    [ -z "$(find . -name '.*part*')" ]
-}
-
-bats_require_minimum_version 1.5.0
+load common
 
 @test "the sample has the phases of the image within a point, and its inclusions as objects" {
     vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 1.5 --labels 1=matrix,2=inclusion \

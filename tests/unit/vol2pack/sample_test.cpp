@@ -6,7 +6,9 @@
 #include <random>
 
 #include "core/error.hpp"
+#include "tools/vol2pack/geometric_error.hpp"
 #include "tools/vol2pack/phase_report.hpp"
+#include "tools/vol2pack/resolution.hpp"
 
 namespace tomodem {
 namespace {
@@ -57,7 +59,7 @@ TEST(Sample, OfALatticeHasOneParticleForEachOfItsCells) {
     // 12 x 8 x 20 voxels of 0.1 mm; seeds of 2 voxels take 4 voxels each: 3 x 2 x 5 particles.
     const auto volume = volume_of(
         {12, 8, 20}, 0.1, [](int, int, int) { return 1; }, Vec3(7, 8, 9));
-    const Sample sample = sample_volume(volume, lattice(2), {.seed_radius = 0.2, .object_labels = {}});
+    const Sample sample = sample_volume(volume, lattice(2), {.seed_radius = 0.2});
     EXPECT_EQ(sample.packing.size(), 30U);
     EXPECT_EQ(sample.packing.seed_radius, 0.2);
     EXPECT_EQ(sample.packing.box.origin, Vec3(7, 8, 9));
@@ -72,7 +74,7 @@ TEST(Sample, OfALatticeHasOneParticleForEachOfItsCells) {
 TEST(Sample, KeepsTheDensityOfTheBrick) {
     const Packing brick = random_points(20000, 1);
     const auto volume = volume_of({50, 50, 50}, 0.1, [](int, int, int) { return 1; });
-    const Sample sample = sample_volume(volume, brick, {.seed_radius = 0.2, .object_labels = {}});
+    const Sample sample = sample_volume(volume, brick, {.seed_radius = 0.2});
     // 333 particles per seed-scaled mm^3: scale 0.4, so 20000 / (60 * 0.064) per mm^3 over 125 mm^3; Poisson scatter.
     const double expected = 20000 / (60 * 0.064) * 125;
     EXPECT_NEAR(static_cast<double>(sample.packing.size()) / expected, 1, 0.02);
@@ -81,7 +83,7 @@ TEST(Sample, KeepsTheDensityOfTheBrick) {
 TEST(Sample, TakesTheLabelUnderEachParticleAndDropsTheVoid) {
     // Halves along y: 0 and 3.
     const auto volume = volume_of({16, 16, 16}, 1, [](int, int y, int) { return y < 8 ? 0 : 3; });
-    const Sample sample = sample_volume(volume, lattice(4), {.seed_radius = 2, .object_labels = {}});
+    const Sample sample = sample_volume(volume, lattice(4), {.seed_radius = 2});
     EXPECT_EQ(sample.candidates, 64);
     EXPECT_THAT(sample.labelled, ElementsAre(Pair(0, 32), Pair(3, 32)));
     for (std::size_t i = 0; i < sample.packing.size(); ++i) {
@@ -93,7 +95,7 @@ TEST(Sample, TakesTheLabelUnderEachParticleAndDropsTheVoid) {
 TEST(Sample, FollowsTheAxesOfTheImage) {
     // A label that is different along each axis: x is the column, y the row, z the slice.
     const auto volume = volume_of({4, 6, 8}, 1, [](int x, int y, int z) { return 1 + x + 10 * y + 100 * z; });
-    const Sample sample = sample_volume(volume, lattice(8), {.seed_radius = 0.5, .object_labels = {}});
+    const Sample sample = sample_volume(volume, lattice(8), {.seed_radius = 0.5});
     ASSERT_EQ(sample.packing.size(), 4U * 6 * 8);
     for (std::size_t i = 0; i < sample.packing.size(); ++i) {
         const Vec3& p = sample.packing.position[i];
@@ -106,9 +108,9 @@ TEST(Sample, BoxFilterRemovesASpeckThatTheNearestVoxelKeeps) {
     const auto volume =
         volume_of({12, 12, 12}, 1, [](int x, int y, int z) { return x == 6 && y == 6 && z == 6 ? 1 : 2; });
     const Packing brick = lattice(3);
-    SampleOptions options{.seed_radius = 2, .object_labels = {}};
+    SampleOptions options{.seed_radius = 2};
     EXPECT_EQ(sample_volume(volume, brick, options).labelled.at(1), 1);
-    options.filter = Filter::box;
+    options.filter.kind = Filter::box;
     EXPECT_EQ(sample_volume(volume, brick, options).labelled.count(1), 0U);
 }
 
@@ -149,7 +151,7 @@ TEST(Sample, ParticleMovedByTheBoxFilterBelongsToTheNearestComponentOfItsLabel) 
     // The centre (2, 2, 2) lies in a crack of label 1 between two pieces of label 2, nearer to the upper one.
     const auto volume = volume_of({4, 4, 4}, 1, [](int, int, int z) { return z == 2 ? 1 : 2; });
     const Sample sample =
-        sample_volume(volume, lattice(1), {.seed_radius = 2, .filter = Filter::box, .object_labels = {2}});
+        sample_volume(volume, lattice(1), {.seed_radius = 2, .filter = {Filter::box}, .object_labels = {2}});
     EXPECT_THAT(sample.packing.species, ElementsAre(2));
     EXPECT_EQ(sample.components, 2);
     EXPECT_THAT(sample.packing.object, ElementsAre(1));
@@ -175,7 +177,7 @@ TEST(Sample, TakesTheRadiiOfTheBricksParticlesAtItsScale) {
 TEST(Sample, IsTheSameOnAnyNumberOfThreads) {
     const Packing brick = random_points(50000, 2);
     const auto volume = volume_of({40, 30, 20}, 0.1, [](int x, int y, int z) { return (x / 7 + y / 5 + z / 6) % 3; });
-    SampleOptions options{.seed_radius = 0.3, .filter = Filter::box, .object_labels = {1, 2}, .random_seed = 4};
+    SampleOptions options{.seed_radius = 0.3, .filter = {Filter::box}, .object_labels = {1, 2}, .random_seed = 4};
     const Sample one = sample_volume(volume, brick, options);
     options.threads = 3;
     const Sample three = sample_volume(volume, brick, options);
@@ -184,22 +186,35 @@ TEST(Sample, IsTheSameOnAnyNumberOfThreads) {
     EXPECT_EQ(one.packing.object, three.packing.object);
 }
 
-TEST(Sample, RandomSeedShiftsTheBrickWithoutChangingItsPacking) {
-    const auto volume = volume_of({16, 16, 16}, 1, [](int, int, int) { return 1; });
+TEST(Sample, RandomSeedMovesTheBrickWithoutChangingItsPacking) {
+    const auto volume = volume_of({40, 40, 40}, 1, [](int, int, int) { return 1; });
     const Packing brick = lattice(4);
     const auto sample = [&](std::uint64_t seed) {
-        return sample_volume(volume, brick, {.seed_radius = 2, .object_labels = {}, .random_seed = seed}).packing;
+        return sample_volume(volume, brick, {.seed_radius = 2, .random_seed = seed}).packing;
     };
-    const Packing unshifted = sample(0), first = sample(1), second = sample(2);
+    const Packing first = sample(1), second = sample(2);
+    EXPECT_EQ(sample(0).size(), 1000U) << "the box holds whole cells";
     EXPECT_EQ(sample(1).position, first.position);
-    EXPECT_EQ(first.size(), 64U) << "the box holds whole bricks";
-    const auto offset = [](double a, double b) { return std::abs(std::remainder(a - b, 4.0)); };
-    for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_GT(offset(first.position[0][axis], unshifted.position[0][axis]), 1e-6);
-        EXPECT_GT(offset(first.position[0][axis], second.position[0][axis]), 1e-6);
-        for (const Vec3& position : first.position)
-            EXPECT_NEAR(offset(position[axis], first.position[0][axis]), 0, 1e-9);
+    EXPECT_NE(second.position, first.position);
+    for (const Packing& packing : {first, second}) {
+        EXPECT_NEAR(static_cast<double>(packing.size()), 1000, 60);
+        // Each particle away from the faces has the six neighbours of the lattice at 2 r_s and no nearer one.
+        for (const Vec3& at : packing.position) {
+            if (((at - Vec3::Constant(20)).cwiseAbs().array() > 14).any()) continue;
+            int neighbours = 0;
+            for (const Vec3& other : packing.position) {
+                const double distance = (other - at).norm();
+                if (distance > 1e-9) {
+                    EXPECT_GT(distance, 4 - 1e-9);
+                }
+                neighbours += std::abs(distance - 4) < 1e-9;
+            }
+            ASSERT_EQ(neighbours, 6);
+        }
     }
+    // Rotated: the lattice is not parallel to the box any more.
+    const Vec3 step = first.position[1] - first.position[0];
+    EXPECT_GT(step.cwiseAbs().minCoeff(), 1e-3);
 }
 
 TEST(Sample, WrapsPositionsThatLieOutsideTheBrick) {
@@ -207,29 +222,145 @@ TEST(Sample, WrapsPositionsThatLieOutsideTheBrick) {
     brick.position[0] += Vec3(10, -6, 0);
     brick.position[7] = Vec3(2, -1e-18, 2);
     const auto volume = volume_of({16, 16, 16}, 1, [](int, int, int) { return 1; });
-    const Sample sample = sample_volume(volume, brick, {.seed_radius = 4, .object_labels = {}});
+    const Sample sample = sample_volume(volume, brick, {.seed_radius = 4});
     EXPECT_EQ(sample.packing.size(), 8U);
 }
 
-TEST(Sample, RejectsABrickThatIsNotPeriodicOrEmpty) {
+TEST(Sample, OfARotatedBrickHasTheDensityOfTheBrickEverywhere) {
+    // A brick with three different edges, larger and smaller than the image.
+    const Packing brick = random_points(20000, 1);
+    for (const double seed_radius : {0.05, 0.2, 0.9}) {
+        const auto volume = volume_of({50, 40, 30}, 0.1, [](int, int, int) { return 1; });
+        const double expected = 20000 / (60 * std::pow(2 * seed_radius, 3)) * 60;
+        if (expected > 3e6) continue;
+        for (std::uint64_t seed : {1, 2, 3}) {
+            const Sample sample = sample_volume(volume, brick, {.seed_radius = seed_radius, .random_seed = seed});
+            const auto count = static_cast<double>(sample.packing.size());
+            EXPECT_NEAR(count / expected, 1, 0.02 + 6 / std::sqrt(expected));
+            Vec3 mean = Vec3::Zero();
+            for (const Vec3& at : sample.packing.position) mean += at / count;
+            EXPECT_LT((mean.cwiseQuotient(volume.extent()) - Vec3::Constant(0.5)).cwiseAbs().maxCoeff(),
+                      0.005 + 2 / std::sqrt(expected));
+        }
+    }
+}
+
+TEST(Sample, OfABrickThatIsPeriodicAlongTwoAxesFitsIntoItAlongTheThird) {
+    Packing brick = lattice(5);
+    brick.box.periodic[2] = false;
+    const auto slab = volume_of({40, 28, 18}, 1, [](int, int, int) { return 1; });
+    EXPECT_EQ(sample_volume(slab, brick, {.seed_radius = 2}).packing.size(), 10U * 7 * 4);
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        const Packing packing = sample_volume(slab, brick, {.seed_radius = 2, .random_seed = seed}).packing;
+        EXPECT_NEAR(static_cast<double>(packing.size()), 40 * 28 * 18 / 64.0, 60);
+        // Turned about z only: the layers stay level.
+        for (const Vec3& at : packing.position)
+            EXPECT_NEAR(std::abs(std::remainder(at[2] - packing.position[0][2], 4.0)), 0, 1e-9);
+    }
+    brick.box.periodic = {false, false, false};
+    const auto small = volume_of({12, 12, 12}, 1, [](int, int, int) { return 1; });
+    EXPECT_EQ(sample_volume(small, brick, {.seed_radius = 2}).packing.size(), 27U);
+    EXPECT_THAT(
+        [&] { sample_volume(slab, brick, {.seed_radius = 2}); },
+        ThrowsMessage<InvalidInput>(HasSubstr("not periodic along x, so it cannot be repeated there, and at this "
+                                              "scale it is 20 mm long where the image has 40 mm")));
+}
+
+TEST(LabelObjects, AreOneObjectEachAndShareAPhase) {
+    // Grains 10, 11 and 70000 side by side, the last in two pieces; 5 is another phase.
+    const std::array<std::int32_t, 6> columns{10, 70000, 5, 11, 5, 70000};
+    auto volume = volume_of({24, 4, 4}, 1, [&](int x, int, int) { return columns[x / 4]; });
+    const auto ranges = parse_label_objects("--label-objects", "10:80000=1");
+    EXPECT_THAT(species_histogram(volume, ranges), ElementsAre(Pair(1, 256), Pair(5, 128)));
+    const auto regions = tell_regions_apart(volume, {}, ranges, Connectivity::faces, Regions::Of::objects);
+    EXPECT_THAT(volume.histogram(), ElementsAre(Pair(1, 256), Pair(5, 128)));
+    const Tiling tiling(lattice(2), 2, {volume.origin(), volume.extent(), {}}, 0);
+    const Sample sample = sample_volume(volume, tiling, &*regions, {}, 1);
+    EXPECT_THAT(sample.packing.species, ElementsAre(1, 1, 5, 1, 5, 1));
+    EXPECT_THAT(sample.object_number, ElementsAre(10, 11, 70000));
+    EXPECT_THAT(sample.object_particles, ElementsAre(1, 1, 2));
+    for (std::size_t i = 0; i < 6; ++i) {
+        const std::int32_t label = columns[static_cast<std::size_t>(sample.packing.position[i][0] / 4)];
+        EXPECT_EQ(sample.packing.object[i], label == 5 ? 0 : label);
+    }
+}
+
+TEST(LabelObjects, AreFollowedByTheComponentsOfOtherLabels) {
+    const std::array<std::int32_t, 4> columns{3, 7, 3, 8};
+    auto volume = volume_of({16, 4, 4}, 1, [&](int x, int, int) { return columns[x / 4]; });
+    const auto regions = tell_regions_apart(volume, {3}, parse_label_objects("--label-objects", "7:8=1"),
+                                            Connectivity::faces, Regions::Of::everything);
+    const Tiling tiling(lattice(4), 2, {volume.origin(), volume.extent(), {}}, 0);
+    const Sample sample = sample_volume(volume, tiling, &*regions, {}, 1);
+    EXPECT_THAT(sample.packing.object, ElementsAre(9, 7, 10, 8));
+    EXPECT_EQ(sample.components, 4);
+}
+
+TEST(LabelObjects, AreRefusedWhereTheyOverlapOrAreNotThere) {
+    const auto refused = [](const std::string& text, const std::string& part) {
+        EXPECT_THAT([&] { parse_label_objects("--label-objects", text); }, ThrowsMessage<WrongUsage>(HasSubstr(part)));
+    };
+    refused("2:5", "FIRST:LAST=LABEL");
+    refused("2=1", "FIRST:LAST=LABEL");
+    refused("0:5=1", "FIRST:LAST=LABEL");
+    refused("2:5=1x", "FIRST:LAST=LABEL");
+    refused("5:2=1", "smaller than the first");
+    refused("2:5=1,4:8=2", "in two ranges");
+    auto volume = volume_of({2, 2, 2}, 1, [](int, int, int) { return 1; });
+    EXPECT_THAT(
+        [&] {
+            tell_regions_apart(volume, {}, {{5, 9, 1}}, Connectivity::faces, Regions::Of::objects);
+        },
+        ThrowsMessage<InvalidInput>(HasSubstr("no label from 5 to 9")));
+}
+
+LabelVolume ball(int size, double radius) {
+    return volume_of({size, size, size}, 1, [=](int x, int y, int z) {
+        return (Vec3(x, y, z) - Vec3::Constant(size / 2.0 - 0.5)).norm() < radius ? 1 : 2;
+    });
+}
+
+TEST(Resolution, IsTheCoarsestThatKeepsTheErrorWhateverTheRandomSeed) {
+    const auto volume = ball(48, 15);
+    const Packing brick = random_points(4000, 3);  // far denser than a packing: many particles a voxel
+    for (const std::uint64_t seed : {0, 5}) {
+        const auto steps = choose_resolution(
+            volume, brick,
+            {.max_error = 0.1, .pixel = 1, .filter = {Filter::level_set}, .random_seed = seed, .threads = 2});
+        for (std::size_t i = 0; i + 1 < steps.size(); ++i) EXPECT_GT(steps[i].error, 0.1);
+        EXPECT_LE(steps.back().error, 0.1);
+        const Sample sample = sample_volume(
+            volume, brick,
+            {.seed_radius = steps.back().pixels_per_seed, .filter = {Filter::level_set}, .random_seed = seed});
+        EXPECT_LE(largest_volume_error(volume.histogram(), sample.labelled), 0.1);
+    }
+}
+
+TEST(Resolution, IsRefusedWhereOneVoxelOrTheMostParticlesDoNotReachTheError) {
+    const Packing brick = lattice(10);
+    const auto volume = ball(20, 3);
+    EXPECT_THAT([&] { choose_resolution(volume, brick, {.max_error = 1e-4, .pixel = 1}); },
+                ThrowsMessage<InvalidInput>(testing::AllOf(HasSubstr("within 0.01 %: even a radius of 1 voxel has"),
+                                                           HasSubstr("the least is"))));
+    EXPECT_THAT([&] { choose_resolution(volume, brick, {.max_error = 1e-4, .pixel = 1, .max_particles = 300}); },
+                ThrowsMessage<InvalidInput>(HasSubstr("more than the 300 allowed")));
+}
+
+TEST(Sample, RejectsABrickThatIsEmpty) {
     const auto volume = volume_of({4, 4, 4}, 1, [](int, int, int) { return 1; });
-    Packing brick = lattice(1);
-    brick.box.periodic[1] = false;
-    EXPECT_THAT([&] { sample_volume(volume, brick, {.seed_radius = 1, .object_labels = {}}); },
-                ThrowsMessage<InvalidInput>(HasSubstr("not periodic")));
-    EXPECT_THAT([&] { sample_volume(volume, Packing{}, {.seed_radius = 1, .object_labels = {}}); },
+    EXPECT_THAT([&] { sample_volume(volume, Packing{}, {.seed_radius = 1}); },
                 ThrowsMessage<InvalidInput>(HasSubstr("no particles")));
 }
 
 TEST(Sample, RejectsTooManyParticlesBeforeMakingThem) {
     const auto volume = volume_of({4, 4, 4}, 1, [](int, int, int) { return 1; });
-    EXPECT_THAT([&] { sample_volume(volume, lattice(2), {.seed_radius = 1e-4, .object_labels = {}}); },
+    EXPECT_THAT([&] { sample_volume(volume, lattice(2), {.seed_radius = 1e-4}); },
                 ThrowsMessage<InvalidInput>(HasSubstr("more pixels per seed")));
 }
 
 TEST(Sample, RejectsAnImageOfVoid) {
     const auto volume = volume_of({4, 4, 4}, 1, [](int, int, int) { return 0; });
-    EXPECT_THAT([&] { sample_volume(volume, lattice(2), {.seed_radius = 1, .object_labels = {}}); },
+    EXPECT_THAT([&] { sample_volume(volume, lattice(2), {.seed_radius = 1}); },
                 ThrowsMessage<InvalidInput>(HasSubstr("in void")));
 }
 
