@@ -371,6 +371,10 @@ void warn(const std::string& line) {
     if (!running().silent) std::fprintf(stderr, "%s: warning: %s\n", running().name.c_str(), line.c_str());
 }
 
+void add_input(const std::string& name, const std::vector<std::filesystem::path>& files) {
+    running().inputs[name] = files;
+}
+
 Provenance provenance() {
     Provenance result = running().provenance;
     for (const auto& [name, files] : running().inputs) result.inputs[name] = content_digest(files);

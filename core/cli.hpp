@@ -119,6 +119,9 @@ void report_json(const std::string& key, const std::string& json);
 void note(const std::string& line);
 void warn(const std::string& line);
 
+/// Another input that the command line named within an option; its digest goes into the provenance.
+void add_input(const std::string& name, const std::vector<std::filesystem::path>& files);
+
 /// Version, command line, input digests of the running tool, to be stored in the files it writes.
 Provenance provenance();
 

@@ -131,8 +131,7 @@ void create_run_file(const Packing& packing, const RunShape& shape, const Proven
     }
     if (!packing.property.empty()) {
         const Hdf5Handle property = writer.group(all, "property");
-        for (const auto& [name, values] : packing.property)
-            writer.dataset(property, name.c_str(), {n}, values.data());
+        for (const auto& [name, values] : packing.property) writer.dataset(property, name.c_str(), {n}, values.data());
     }
 
     {

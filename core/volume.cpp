@@ -17,14 +17,52 @@ namespace {
 
 using Tree = openvdb::Int32Tree;
 using Leaf = Tree::LeafNodeType;
-using Accessor = openvdb::tree::ValueAccessor<const Tree>;
+/// Of the same shape, for blocks whose labels fit into a byte.
+using NarrowTree = openvdb::tree::Tree4<std::uint8_t, 5, 4, 3>::Type;
+using NarrowLeaf = NarrowTree::LeafNodeType;
 constexpr std::int32_t edge = Leaf::DIM;
+constexpr std::int32_t voxels_of_a_block = edge * edge * edge;
 static_assert(edge == LabelVolume::slab);
 
 /// In a leaf z runs fastest, then y, then x.
 constexpr std::int32_t leaf_offset(std::int32_t x, std::int32_t y, std::int32_t z) {
     return (x * edge + y) * edge + z;
 }
+
+/// The labels of a block: of one byte, of four, or one for all.
+struct Block {
+    const std::uint8_t* narrow = nullptr;
+    const std::int32_t* wide = nullptr;
+    std::int32_t constant = 0;
+
+    bool is_constant() const { return !narrow && !wide; }
+    std::int32_t operator[](std::int32_t at) const { return narrow ? narrow[at] : wide ? wide[at] : constant; }
+};
+
+/// A block is in `narrow`, or else a block or a constant in `wide`.
+struct Trees {
+    Tree wide{0};
+    NarrowTree narrow{0};
+};
+
+/// Repeated look-ups; one a thread.
+class Lookup {
+ public:
+    explicit Lookup(const Trees& trees) : narrow_(trees.narrow), wide_(trees.wide) {}
+
+    Block block(const openvdb::Coord& in_it) const {
+        if (const NarrowLeaf* leaf = narrow_.probeConstLeaf(in_it)) return {.narrow = leaf->buffer().data()};
+        if (const Leaf* leaf = wide_.probeConstLeaf(in_it)) return {.wide = leaf->buffer().data()};
+        return {.constant = wide_.getValue(in_it)};
+    }
+    std::int32_t label(const openvdb::Coord& voxel) const {
+        return block(voxel)[leaf_offset(voxel.x() % edge, voxel.y() % edge, voxel.z() % edge)];
+    }
+
+ private:
+    openvdb::tree::ValueAccessor<const NarrowTree> narrow_;
+    openvdb::tree::ValueAccessor<const Tree> wide_;
+};
 
 /// The part of a block of 8 x 8 x 8 voxels that lies in the volume and between two slices.
 struct BlockPart {
@@ -53,7 +91,7 @@ std::int32_t blocks(std::int32_t voxels) {
 struct LabelVolume::State {
     VoxelIndex size;
     Vec3 spacing, origin;
-    Tree tree{0};
+    Trees trees;
 
     void check_slices(std::int32_t k, std::int32_t count) const {
         if (k < 0 || count < 1 || k > size[2] - count)
@@ -108,22 +146,24 @@ void LabelVolume::set_slices(std::int32_t k, std::int32_t count, std::span<const
         throw std::length_error(fmt::format("{} labels for {} slices of {}", labels.size(), count, page));
 
     const std::int32_t columns = blocks(state.size[0]), rows = blocks(state.size[1]);
-    // Blocks are built on all threads and put into the tree, which only one thread may change, after that.
+    // Blocks are built on all threads and put into the trees, which only one thread may change, after that.
     struct Built {
-        std::unique_ptr<Leaf> leaf;
+        std::unique_ptr<Leaf> wide;
+        std::unique_ptr<NarrowLeaf> narrow;
         std::int32_t constant = 0;
     };
     std::vector<Built> built(static_cast<std::size_t>(columns) * rows);
     for (std::int32_t z0 = k - k % edge; z0 < k + count; z0 += edge) {
         parallel_for(rows, cli::threads(), [&](std::int64_t block_row) {
-            const Accessor accessor(state.tree);
+            const Lookup lookup(state.trees);
+            std::array<std::int32_t, voxels_of_a_block> data;
             for (std::int32_t column = 0; column < columns; ++column) {
                 const BlockPart part =
                     block_part(state.size, column * edge, static_cast<std::int32_t>(block_row) * edge, z0, k, count);
                 const std::int32_t* const first =
                     labels.data() + (z0 - k) * page + part.origin.y() * row + part.origin.x();
                 Built& block = built[block_row * columns + column];
-                block.leaf.reset();
+                block = {};
                 bool same = part.fills_all_slices;
                 const std::int32_t value = first[part.z[0] * page];
                 for (std::int32_t z = part.z[0]; same && z < part.z[1]; ++z)
@@ -135,28 +175,36 @@ void LabelVolume::set_slices(std::int32_t k, std::int32_t count, std::span<const
                     block.constant = value;
                     continue;
                 }
-                if (const Leaf* old = accessor.probeConstLeaf(part.origin))
-                    block.leaf = std::make_unique<Leaf>(*old);
-                else
-                    block.leaf = std::make_unique<Leaf>(part.origin, accessor.getValue(part.origin), true);
-                std::int32_t* const data = block.leaf->buffer().data();
+                const Block old = lookup.block(part.origin);
+                for (std::int32_t at = 0; at < voxels_of_a_block; ++at) data[at] = old[at];
                 for (std::int32_t z = part.z[0]; z < part.z[1]; ++z)
                     for (std::int32_t y = 0; y < part.y[1]; ++y) {
                         const std::int32_t* const voxels = first + z * page + y * row;
                         for (std::int32_t x = 0; x < part.x[1]; ++x) data[leaf_offset(x, y, z)] = voxels[x];
                     }
+                if (std::all_of(data.begin(), data.end(), [](auto label) { return label >= 0 && label < 256; })) {
+                    block.narrow = std::make_unique<NarrowLeaf>(part.origin, std::uint8_t{0}, true);
+                    std::copy(data.begin(), data.end(), block.narrow->buffer().data());
+                } else {
+                    block.wide = std::make_unique<Leaf>(part.origin, 0, true);
+                    std::copy(data.begin(), data.end(), block.wide->buffer().data());
+                }
             }
         });
-        openvdb::tree::ValueAccessor<Tree> accessor(state.tree);
+        openvdb::tree::ValueAccessor<Tree> wide(state.trees.wide);
+        openvdb::tree::ValueAccessor<NarrowTree> narrow(state.trees.narrow);
         for (std::int32_t block_row = 0; block_row < rows; ++block_row)
             for (std::int32_t column = 0; column < columns; ++column) {
                 Built& block = built[static_cast<std::size_t>(block_row) * columns + column];
                 const openvdb::Coord origin(column * edge, block_row * edge, z0);
-                if (block.leaf) {
-                    accessor.addLeaf(block.leaf.release());
-                } else if (accessor.probeConstLeaf(origin) || accessor.getValue(origin) != block.constant) {
-                    accessor.addTile(1, origin, block.constant, block.constant != 0);
-                }
+                if (block.narrow)
+                    narrow.addLeaf(block.narrow.release());
+                else if (narrow.probeConstLeaf(origin))
+                    narrow.addTile(1, origin, 0, false);
+                if (block.wide)
+                    wide.addLeaf(block.wide.release());
+                else if (wide.probeConstLeaf(origin) || wide.getValue(origin) != block.constant)
+                    wide.addTile(1, origin, block.constant, block.constant != 0);
             }
     }
 }
@@ -169,21 +217,19 @@ void LabelVolume::slices(std::int32_t k, std::int32_t count, std::vector<std::in
     const std::int32_t columns = blocks(state.size[0]), rows = blocks(state.size[1]);
     for (std::int32_t z0 = k - k % edge; z0 < k + count; z0 += edge)
         parallel_for(rows, cli::threads(), [&](std::int64_t block_row) {
-            const Accessor accessor(state.tree);
+            const Lookup lookup(state.trees);
             for (std::int32_t column = 0; column < columns; ++column) {
                 const BlockPart part =
                     block_part(state.size, column * edge, static_cast<std::int32_t>(block_row) * edge, z0, k, count);
                 std::int32_t* const first = labels.data() + (z0 - k) * page + part.origin.y() * row + part.origin.x();
-                const Leaf* const leaf = accessor.probeConstLeaf(part.origin);
-                const std::int32_t* const data = leaf ? leaf->buffer().data() : nullptr;
-                const std::int32_t constant = leaf ? 0 : accessor.getValue(part.origin);
+                const Block block = lookup.block(part.origin);
                 for (std::int32_t z = part.z[0]; z < part.z[1]; ++z)
                     for (std::int32_t y = 0; y < part.y[1]; ++y) {
                         std::int32_t* const voxels = first + z * page + y * row;
-                        if (!data)
-                            std::fill(voxels, voxels + part.x[1], constant);
+                        if (block.is_constant())
+                            std::fill(voxels, voxels + part.x[1], block.constant);
                         else
-                            for (std::int32_t x = 0; x < part.x[1]; ++x) voxels[x] = data[leaf_offset(x, y, z)];
+                            for (std::int32_t x = 0; x < part.x[1]; ++x) voxels[x] = block[leaf_offset(x, y, z)];
                     }
             }
         });
@@ -195,25 +241,24 @@ std::map<std::int32_t, std::int64_t> LabelVolume::histogram() const {
     const std::int32_t layers = blocks(size[2]);
     std::vector<std::map<std::int32_t, std::int64_t>> counted(layers);
     parallel_for(layers, cli::threads(), [&](std::int64_t layer) {
-        const Accessor accessor(state.tree);
+        const Lookup lookup(state.trees);
         auto& counts = counted[layer];
         const auto z0 = static_cast<std::int32_t>(layer) * edge;
         for (std::int32_t y0 = 0; y0 < size[1]; y0 += edge)
             for (std::int32_t x0 = 0; x0 < size[0]; x0 += edge) {
                 const BlockPart part = block_part(size, x0, y0, z0, z0, edge);
                 const std::int32_t depth = std::min(edge, size[2] - z0);
-                const Leaf* const leaf = accessor.probeConstLeaf(part.origin);
-                if (!leaf) {
-                    counts[accessor.getValue(part.origin)] += std::int64_t{1} * part.x[1] * part.y[1] * depth;
+                const Block block = lookup.block(part.origin);
+                if (block.is_constant()) {
+                    counts[block.constant] += std::int64_t{1} * part.x[1] * part.y[1] * depth;
                     continue;
                 }
-                const std::int32_t* const data = leaf->buffer().data();
-                std::int32_t last = data[0];
+                std::int32_t last = block[0];
                 std::int64_t run = 0;
                 for (std::int32_t x = 0; x < part.x[1]; ++x)
                     for (std::int32_t y = 0; y < part.y[1]; ++y)
                         for (std::int32_t z = 0; z < depth; ++z) {
-                            const std::int32_t label = data[leaf_offset(x, y, z)];
+                            const std::int32_t label = block[leaf_offset(x, y, z)];
                             if (label != last) {
                                 counts[last] += run;
                                 last = label;
@@ -231,7 +276,7 @@ std::map<std::int32_t, std::int64_t> LabelVolume::histogram() const {
 }
 
 std::int64_t LabelVolume::memory() const {
-    return static_cast<std::int64_t>(state_->tree.memUsage());
+    return static_cast<std::int64_t>(state_->trees.wide.memUsage() + state_->trees.narrow.memUsage());
 }
 
 namespace {
@@ -264,9 +309,9 @@ double smoothing_integral(double u) {
 }  // namespace
 
 struct LabelVolume::Sampler::State {
-    explicit State(const LabelVolume::State& of) : volume(of), accessor(of.tree) {}
+    explicit State(const LabelVolume::State& of) : volume(of), lookup(of.trees) {}
     const LabelVolume::State& volume;
-    Accessor accessor;
+    Lookup lookup;
 
     /// The voxels around one that level_set looks at.
     std::array<std::int32_t, 3> first{}, end{};
@@ -287,28 +332,26 @@ bool LabelVolume::Sampler::State::gather(const VoxelIndex& centre, std::int32_t 
     const std::int32_t rows = end[1] - first[1], depth = end[2] - first[2];
     around.resize(std::size_t(end[0] - first[0]) * rows * depth);
     const auto block_end = [&](int axis, std::int32_t i) { return std::min(end[axis], i - i % edge + edge); };
-    const std::int32_t label = accessor.getValue(openvdb::Coord(first[0], first[1], first[2]));
+    const std::int32_t label = lookup.label(openvdb::Coord(first[0], first[1], first[2]));
     bool mixed = false;
     for (std::int32_t x0 = first[0]; x0 < end[0]; x0 = block_end(0, x0))
         for (std::int32_t y0 = first[1]; y0 < end[1]; y0 = block_end(1, y0))
             for (std::int32_t z0 = first[2]; z0 < end[2]; z0 = block_end(2, z0)) {
                 const std::int32_t z1 = block_end(2, z0);
-                const Leaf* const leaf = accessor.probeConstLeaf(openvdb::Coord(x0, y0, z0));
-                const std::int32_t constant = leaf ? 0 : accessor.getValue(openvdb::Coord(x0, y0, z0));
-                const std::int32_t* const data = leaf ? leaf->buffer().data() : nullptr;
-                if (!leaf) mixed |= constant != label;
+                const Block block = lookup.block(openvdb::Coord(x0, y0, z0));
+                if (block.is_constant()) mixed |= block.constant != label;
                 for (std::int32_t x = x0; x < block_end(0, x0); ++x)
                     for (std::int32_t y = y0; y < block_end(1, y0); ++y) {
                         std::int32_t* to =
                             around.data() + (std::size_t(x - first[0]) * rows + (y - first[1])) * depth + z0 - first[2];
-                        if (!data) {
-                            std::fill(to, to + (z1 - z0), constant);
+                        if (block.is_constant()) {
+                            std::fill(to, to + (z1 - z0), block.constant);
                             continue;
                         }
-                        const std::int32_t* const line = data + leaf_offset(x % edge, y % edge, 0);
+                        const std::int32_t line = leaf_offset(x % edge, y % edge, 0);
                         for (std::int32_t z = z0; z < z1; ++z) {
-                            *to++ = line[z % edge];
-                            mixed |= line[z % edge] != label;
+                            *to++ = block[line + z % edge];
+                            mixed |= to[-1] != label;
                         }
                     }
             }
@@ -349,7 +392,7 @@ LabelVolume::Sampler::~Sampler() = default;
 std::int32_t LabelVolume::Sampler::at(const VoxelIndex& voxel) const {
     for (int axis = 0; axis < 3; ++axis)
         if (voxel[axis] < 0 || voxel[axis] >= state_->volume.size[axis]) return 0;
-    return state_->accessor.getValue(openvdb::Coord(voxel[0], voxel[1], voxel[2]));
+    return state_->lookup.label(openvdb::Coord(voxel[0], voxel[1], voxel[2]));
 }
 
 std::int32_t LabelVolume::Sampler::nearest(const Vec3& point) const {
@@ -359,7 +402,7 @@ std::int32_t LabelVolume::Sampler::nearest(const Vec3& point) const {
         if (!(at >= 0 && at < state_->volume.size[axis])) return 0;
         voxel[axis] = static_cast<std::int32_t>(at);
     }
-    return state_->accessor.getValue(openvdb::Coord(voxel[0], voxel[1], voxel[2]));
+    return state_->lookup.label(openvdb::Coord(voxel[0], voxel[1], voxel[2]));
 }
 
 std::int32_t LabelVolume::Sampler::majority(const Vec3& point, double half) const {
@@ -390,18 +433,17 @@ std::int32_t LabelVolume::Sampler::majority(const Vec3& point, double half) cons
             for (std::int32_t z0 = first[2]; z0 < end[2]; z0 = block_end(2, z0)) {
                 const std::int32_t x1 = block_end(0, x0), y1 = block_end(1, y0), z1 = block_end(2, z0);
                 const openvdb::Coord corner(x0, y0, z0);
-                const Leaf* const leaf = state_->accessor.probeConstLeaf(corner);
-                if (!leaf) {
-                    vote(votes, state_->accessor.getValue(corner), part(0, x0, x1) * part(1, y0, y1) * part(2, z0, z1));
+                const Block block = state_->lookup.block(corner);
+                if (block.is_constant()) {
+                    vote(votes, block.constant, part(0, x0, x1) * part(1, y0, y1) * part(2, z0, z1));
                     continue;
                 }
-                const std::int32_t* const data = leaf->buffer().data();
                 for (std::int32_t x = x0; x < x1; ++x)
                     for (std::int32_t y = y0; y < y1; ++y) {
                         const std::int64_t face = weights[0][x - first[0]] * weights[1][y - first[1]];
-                        const std::int32_t* const line = data + leaf_offset(x % edge, y % edge, 0);
+                        const std::int32_t line = leaf_offset(x % edge, y % edge, 0);
                         for (std::int32_t z = z0; z < z1; ++z)
-                            vote(votes, line[z % edge], face * weights[2][z - first[2]]);
+                            vote(votes, block[line + z % edge], face * weights[2][z - first[2]]);
                     }
             }
     return winner(votes);
@@ -421,7 +463,7 @@ std::int32_t LabelVolume::Sampler::level_set(const Vec3& point, double width) co
     // Beyond 3.5 widths there is a thousandth of the kernel.
     const bool mixed = state.gather(voxel, static_cast<std::int32_t>(std::ceil(3.5 * width)));
     if (!mixed) return state.around.front();
-    const std::int32_t own = state.accessor.getValue(openvdb::Coord(voxel[0], voxel[1], voxel[2]));
+    const std::int32_t own = state.lookup.label(openvdb::Coord(voxel[0], voxel[1], voxel[2]));
     const std::int32_t label = state.smooth(voxel, offset, width);
     return label == own || state.smooth(voxel, Vec3::Zero(), width) == own ? label : own;
 }

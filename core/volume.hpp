@@ -13,7 +13,8 @@
 
 namespace tomodem {
 
-/// A segmented tomography: one integer label a voxel, 0 is void. Sparse in memory (OpenVDB).
+/// A segmented tomography: one integer label a voxel, 0 is void. Sparse in memory (OpenVDB), a byte a voxel
+/// where labels are below 256.
 ///
 /// Voxel (i, j, k) covers origin + spacing * (i..i+1, j..j+1, k..k+1); its centre is at +1/2.
 class LabelVolume {

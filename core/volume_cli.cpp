@@ -129,6 +129,21 @@ std::map<std::int32_t, std::string> parse_label_names(const std::string& flag, c
     return names;
 }
 
+std::map<std::string, std::string> parse_properties(const std::string& flag, const std::string& text) {
+    std::map<std::string, std::string> properties;
+    for (const auto part : split(text, ',')) {
+        const auto equal = part.find('=');
+        const std::string name(part.substr(0, equal));
+        const bool plain = !name.empty() && std::all_of(name.begin(), name.end(),
+                                                        [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+        if (equal == std::string_view::npos || equal + 1 == part.size() || !plain)
+            refuse(flag, text, "NAME=VOLUME between commas, names of letters, digits and _, as temperature=t.tif");
+        if (!properties.emplace(name, part.substr(equal + 1)).second)
+            throw WrongUsage(fmt::format("{} '{}': {} is named twice", flag, text, name));
+    }
+    return properties;
+}
+
 std::vector<std::int32_t> parse_labels(const std::string& flag, const std::string& text) {
     std::vector<std::int32_t> labels;
     for (const auto part : split(text, ','))

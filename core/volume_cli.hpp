@@ -31,6 +31,10 @@ std::map<std::int32_t, std::int32_t> parse_relabel(const std::string& flag, cons
 /// "1=matrix,2=inclusion" -> {1: matrix, 2: inclusion}. @throws WrongUsage naming `flag`
 std::map<std::int32_t, std::string> parse_label_names(const std::string& flag, const std::string& text);
 
+/// "temperature=t.tif,damage=d.h5:/d" -> {damage: d.h5:/d, temperature: t.tif}; names are letters, digits and _.
+/// @throws WrongUsage naming `flag`
+std::map<std::string, std::string> parse_properties(const std::string& flag, const std::string& text);
+
 /// "1,2" -> {1, 2}, sorted. @throws WrongUsage naming `flag`
 std::vector<std::int32_t> parse_labels(const std::string& flag, const std::string& text);
 

@@ -22,7 +22,7 @@ struct Request {
     std::string filter = "level-set";
     double box_size = LabelFilter{}.box_size, smoothing = LabelFilter{}.smoothing;
     std::string labels, objects, label_objects;
-    std::string connectivity = "6";
+    std::string connectivity = "6", property;
     bool skip_components = false;
     std::int64_t min_component = 0;
     std::int64_t random_seed = 0;
@@ -58,6 +58,8 @@ cli::Usage usage(Request& request) {
                 "smaller connected components, void apart, take the label that surrounds them")
         .flag("--skip-components", request.skip_components,
               "do not count components lost and merged: saves time and memory with very large images")
+        .option("--property", request.property,
+                "another volume of the same grid as a property of the particles, as temperature=t.tif,damage=d.h5:/d")
         .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,
                 "shift and rotate the brick at random, for several samples of one image; 0: as it is")
         .option("--max-particles", request.max_particles, cli::Unit::particles, cli::positive,
@@ -130,6 +132,8 @@ void run(const Request& request) {
     const auto label_objects = request.label_objects.empty()
                                    ? std::vector<LabelObjects>{}
                                    : parse_label_objects("--label-objects", request.label_objects);
+    const auto properties = request.property.empty() ? std::map<std::string, std::string>{}
+                                                     : parse_properties("--property", request.property);
 
     PhaseClock clock;
     const Packing brick = read_packing(request.brick);
@@ -147,8 +151,15 @@ void run(const Request& request) {
     clock.done("resolution");
     const Tiling tiling(brick, seed_radius, {volume.origin(), volume.extent(), {false, false, false}},
                         static_cast<std::uint64_t>(request.random_seed), request.max_particles);
-    const Sample sample = sample_volume(volume, tiling, regions ? &*regions : nullptr, filter, cli::threads());
+    Sample sample = sample_volume(volume, tiling, regions ? &*regions : nullptr, filter, cli::threads());
     clock.done("sampling");
+
+    for (const auto& [name, file] : properties) {
+        sample.packing.property[name] =
+            read_values_at(file, request.volume.path, volume_request, sample.packing.position);
+        cli::add_input(file, volume_files(file));
+    }
+    clock.done("properties");
 
     cli::report("particles", static_cast<std::int64_t>(sample.packing.size()));
     cli::report("seed_radius", sample.packing.seed_radius, "mm");
