@@ -101,6 +101,15 @@ Carver::Carver(const LabelVolume& volume, const Packing& sample, const CarveOpti
             if (a != b && (one.low() - other.high()).maxCoeff() < 0 && (other.low() - one.high()).maxCoeff() < 0)
                 neighbours_[a].push_back(b);
         }
+    density_ = sample.density();
+}
+
+void Carver::measure_density(const Packing& sample) {
+    Vec3 sample_low = sample.position.front(), sample_high = sample_low;
+    for (const Vec3& point : sample.position) {
+        sample_low = sample_low.cwiseMin(point);
+        sample_high = sample_high.cwiseMax(point);
+    }
     density_ = density_between(image_, sample, low_.cwiseMax(sample_low), high_.cwiseMin(sample_high));
 }
 

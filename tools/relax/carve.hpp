@@ -47,10 +47,14 @@ struct Assessment {
 
 class Carver {
  public:
-    /// @param sample  dense, or with particles missing already, at rest
+    /// @param sample  dense, or with particles missing already; at rest, or still to be relaxed
     /// @throws InvalidInput if the image and the sample do not lie over each other, or the image has no pore that these
     ///         particles can show
     Carver(const LabelVolume& volume, const Packing& sample, const CarveOptions& options);
+
+    /// Takes D of the material between the pores from the sample, which is at rest; or from an earlier process.
+    void measure_density(const Packing& sample);
+    void set_density(double density) { density_ = density; }
 
     Assessment assess(const Packing& sample) const;
     bool is_done(const Assessment& assessment) const;
@@ -64,7 +68,7 @@ class Carver {
     double too_small_volume() const { return image_.too_small_volume; }
     /// Part of the closed pores' volume that has no particles.
     double empty_share(const Assessment& assessment) const { return assessment.volume / assessment.target; }
-    double density() const { return density_; }  ///< D of the material between the pores
+    double density() const { return density_; }
 
  private:
     bool belongs(std::size_t pore, const Vec3& point) const;

@@ -43,7 +43,8 @@ cli::Usage usage(Request& request) {
                 "smaller pores are left solid")
         .option("--first-share", request.carve.first_share, cli::Unit::fraction, {0, 1, false, true},
                 "of each pore that is taken out at first; the rest follows as it is missing")
-        .option("--max-iterations", request.max_iterations, cli::Unit::none, {1, 1e6}, "then it is an error")
+        .option("--max-iterations", request.max_iterations, cli::Unit::none, {0, 1e6},
+                "then it is an error; 0 measures the sample as it is")
         .option("--energy-ratio", request.limits.energy_ratio, cli::Unit::none, cli::positive,
                 "of each relaxation, as of 'relax'")
         .option("--force-balance", request.limits.force_balance, cli::Unit::none, cli::positive,
@@ -143,30 +144,23 @@ class Carving {
         } else if (request_.resume && first_) {
             cli::note(fmt::format("there is no state '{}': starting from the beginning", state_file_.string()));
         }
-        const auto look = [&] {
-            together(communicator_, [&] {
-                if (!first_ || carver_) return;
-                CarveOptions options = request_.carve;
-                options.pore_error = request_.pore_error / 100;
-                options.total_error = request_.total_error / 100;
-                options.threads = cli::threads();
-                carver_.emplace(read_label_volume(request_.volume.path, volume_options(request_.volume)), sample_,
-                                options);
-            });
-        };
+        together(communicator_, [&] {
+            if (!first_) return;
+            CarveOptions options = request_.carve;
+            options.pore_error = request_.pore_error / 100;
+            options.total_error = request_.total_error / 100;
+            options.threads = cli::threads();
+            carver_.emplace(read_label_volume(request_.volume.path, volume_options(request_.volume)), sample_, options);
+            if (!go_on) return;
+            carver_->set_density(density_);
+            assessment_ = carver_->assess(sample_);
+        });
         if (!go_on) {
-            // Before the first relaxation: an image that does not fit is found at once.
-            look();
-            carver_.reset();
+            // With its pores filled its faces draw in without moving the pores.
             if (!sample_.relaxed) come_to_rest();
-        }
-        look();
-        if (go_on)
-            together(communicator_, [&] {
-                if (first_) assessment_ = carver_->assess(sample_);
-            });
-        else
+            if (first_) carver_->measure_density(sample_);
             assess(0, 0);
+        }
         if (!first_) return;
         const double empty = carver_->empty_share(assessment_);
         if (!go_on && empty > 0.5)
@@ -191,6 +185,7 @@ class Carving {
         sample_.relaxed = true;
         rows_ = rows_of(found.numbers.at("rows"));
         steps_ = static_cast<std::int64_t>(found.number("steps"));
+        density_ = found.number("density");
         cli::note(fmt::format("going on after iteration {}", rows_.back().iteration));
     }
 
@@ -254,6 +249,7 @@ class Carving {
                 state.numbers["position"].insert(state.numbers["position"].end(), point.data(), point.data() + 3);
             state.numbers["rows"] = numbers_of(rows_);
             state.numbers["steps"] = {static_cast<double>(steps_)};
+            state.numbers["density"] = {carver_->density()};
         }
         write_checkpoint(state, inputs_, state_file_, communicator_);
     }
@@ -303,6 +299,7 @@ class Carving {
     std::vector<CarveRow> rows_;
     CarveRow last_;
     std::int64_t steps_ = 0;
+    double density_ = 0;  ///< from the state
 };
 
 void run(const Request& request) {

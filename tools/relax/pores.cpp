@@ -87,17 +87,20 @@ DistanceField field_around(const LabelVolume& number, std::int32_t wanted, const
         size[c] = extent.high[c] + margin + 1 - first[c];
     }
     const std::size_t count = std::size_t(size[0]) * size[1] * size[2];
-    std::vector<bool> inside(count), counts(count);
+    VoxelIndex from, to;
+    for (int c = 0; c < 3; ++c) {
+        from[c] = std::max(0, -first[c]);
+        to[c] = std::min(size[c], image[c] - first[c]);
+    }
+    std::vector<bool> inside(count);
     const LabelVolume::Sampler sampler(number);
     std::size_t at = 0;
     for (std::int32_t z = first[2]; z < first[2] + size[2]; ++z)
         for (std::int32_t y = first[1]; y < first[1] + size[1]; ++y)
-            for (std::int32_t x = first[0]; x < first[0] + size[0]; ++x, ++at) {
-                counts[at] = x >= 0 && y >= 0 && z >= 0 && x < image[0] && y < image[1] && z < image[2];
-                inside[at] = counts[at] && sampler.at({x, y, z}) == wanted;
-            }
+            for (std::int32_t x = first[0]; x < first[0] + size[0]; ++x, ++at)
+                inside[at] = sampler.at({x, y, z}) == wanted;
     const Vec3 corner = number.origin() + spacing.cwiseProduct(Vec3(first[0], first[1], first[2]));
-    return DistanceField(inside, counts, size, spacing, corner);
+    return DistanceField(inside, size, from, to, spacing, corner);
 }
 
 }  // namespace
@@ -122,12 +125,21 @@ std::vector<float> squared_distances(const std::vector<bool>& set, VoxelIndex si
     return result;
 }
 
-DistanceField::DistanceField(const std::vector<bool>& inside, const std::vector<bool>& counts, VoxelIndex size,
-                             const Vec3& spacing, const Vec3& corner)
+DistanceField::DistanceField(const std::vector<bool>& inside, VoxelIndex size, const VoxelIndex& from,
+                             const VoxelIndex& to, const Vec3& spacing, const Vec3& corner)
     : size_(size), spacing_(spacing), low_(corner + spacing / 2) {
     high_ = low_ + spacing.cwiseProduct(Vec3(size[0] - 1, size[1] - 1, size[2] - 1));
+    for (int c = 0; c < 3; ++c) {
+        first_[c] = from[c];
+        last_[c] = to[c] - 1;
+    }
     std::vector<bool> outside(inside.size());
-    for (std::size_t i = 0; i < inside.size(); ++i) outside[i] = counts[i] && !inside[i];
+    for (std::int32_t z = from[2]; z < to[2]; ++z)
+        for (std::int32_t y = from[1]; y < to[1]; ++y)
+            for (std::int32_t x = from[0]; x < to[0]; ++x) {
+                const std::size_t at = (std::size_t(z) * size[1] + y) * size[0] + x;
+                outside[at] = !inside[at];
+            }
     distance_ = squared_distances(inside, size, spacing);
     const std::vector<float> to_outside = squared_distances(outside, size, spacing);
     // The surface lies half a voxel from the centres on both of its sides.
@@ -142,8 +154,9 @@ double DistanceField::at(const Vec3& point) const {
     for (int c = 0; c < 3; ++c) {
         const double place = (point[c] - low_[c]) / spacing_[c];
         if (!(place >= 0 && place <= size_[c] - 1)) return std::numeric_limits<double>::infinity();
-        cell[c] = std::min(static_cast<std::int32_t>(place), size_[c] - 2);
-        part[c] = place - cell[c];
+        const double clamped = std::clamp(place, first_[c], last_[c]);
+        cell[c] = std::min(static_cast<std::int32_t>(clamped), size_[c] - 2);
+        part[c] = clamped - cell[c];
     }
     double sum = 0;
     for (int corner = 0; corner < 8; ++corner) {

@@ -11,10 +11,11 @@ namespace tomodem {
 /// Signed distance [mm] to the surface of a set of voxels, negative inside; in a box of voxels around it.
 class DistanceField {
  public:
-    /// @param inside   of each voxel of the box, x fastest
-    /// @param counts   of each voxel: whether it says anything (voxels outside an image do not)
-    /// @param corner   of the box [mm]
-    DistanceField(const std::vector<bool>& inside, const std::vector<bool>& counts, VoxelIndex size,
+    /// @param inside  of each voxel of the box, x fastest
+    /// @param from    first voxel of the box that says something, `to` one behind the last: the others lie outside the
+    ///                image, where its surface goes on as it meets the face
+    /// @param corner  of the box [mm]
+    DistanceField(const std::vector<bool>& inside, VoxelIndex size, const VoxelIndex& from, const VoxelIndex& to,
                   const Vec3& spacing, const Vec3& corner);
 
     /// Trilinear between the voxels' centres; infinite outside the box.
@@ -26,6 +27,7 @@ class DistanceField {
  private:
     VoxelIndex size_;
     Vec3 spacing_, low_, high_;
+    std::array<double, 3> first_, last_;  ///< centres of the voxels that say something, in voxels from low_
     std::vector<float> distance_;
 };
 
