@@ -197,7 +197,8 @@ std::vector<std::size_t> Carver::next_removal(const Packing& sample, const Asses
             if (first)
                 while (wanted < candidates.size() && candidates[wanted].first < 0) ++wanted;
         } else {
-            const double aim = first ? options_.first_share * state.target : state.target;
+            const double share = options_.first_share * state.target;
+            const double aim = first && state.measure.volume < share ? share : state.target;
             const double lacking = std::max(0.0, aim - state.measure.volume);
             wanted = std::min(candidates.size(), static_cast<std::size_t>(std::llround(lacking / particle)));
         }

@@ -87,7 +87,7 @@ class Carving {
         together(communicator, [&] {
             if (!first_) return;
             output_.emplace(request.carved);  // a folder that cannot be written to is found now, not at the end
-            write_text(table_file_, table_of({}));
+            const OutputFile table(table_file_);
         });
     }
 
