@@ -1,8 +1,8 @@
 // carve: take particles out of a sample and relax, until its pores are as large as those of the image.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "core/cli.hpp"
 #include "core/output_file.hpp"
@@ -61,6 +61,21 @@ std::filesystem::path with_suffix(std::filesystem::path file, const char* suffix
     return file += suffix;
 }
 
+/// Place, size and pores of a volume, to be compared.
+std::vector<double> numbers_of(const LabelVolume& volume) {
+    std::vector<double> numbers;
+    for (int c = 0; c < 3; ++c) {
+        numbers.push_back(volume.origin()[c]);
+        numbers.push_back(volume.spacing()[c]);
+        numbers.push_back(volume.size()[c]);
+    }
+    for (const auto& [label, voxels] : volume.histogram()) {
+        numbers.push_back(label);
+        numbers.push_back(static_cast<double>(voxels));
+    }
+    return numbers;
+}
+
 /// The loop; what looks at the image runs on the first process alone.
 class Carving {
  public:
@@ -79,11 +94,9 @@ class Carving {
         provenance_.scene = scene_.text;
         inputs_ = {provenance_.version, scene_.text, ""};
         for (const auto& [name, digest] : provenance_.inputs) inputs_.digests += digest + " ";
-        const VolumeRequest& v = request.volume;
-        inputs_.digests += fmt::format(
-            "{} {} {} {} {} {} {} {} {} {} {} {} {}", v.voxel_size, v.slice_spacing, v.threshold, v.origin, v.relabel,
-            v.crop, request.carve.least_across, request.carve.first_share, request.limits.energy_ratio,
-            request.limits.force_balance, request.limits.max_periods, request.carve.judged_across, request.pore_error);
+        inputs_.digests += fmt::format("{} {} {} {} {} {}", request.carve.least_across, request.carve.first_share,
+                                       request.carve.judged_across, request.limits.energy_ratio,
+                                       request.limits.force_balance, request.limits.max_periods);
         together(communicator, [&] {
             if (!first_) return;
             output_.emplace(request.carved);  // a folder that cannot be written to is found now, not at the end
@@ -150,8 +163,15 @@ class Carving {
             options.pore_error = request_.pore_error / 100;
             options.total_error = request_.total_error / 100;
             options.threads = cli::threads();
-            carver_.emplace(read_label_volume(request_.volume.path, volume_options(request_.volume)), sample_, options);
+            const LabelVolume volume = read_label_volume(request_.volume.path, volume_options(request_.volume));
+            carver_.emplace(volume, sample_, options);
+            const std::vector<double> before = std::exchange(image_, numbers_of(volume));
             if (!go_on) return;
+            if (before != image_)
+                throw InvalidInput(
+                    fmt::format("cannot go on from '{}': it was made with other options of the volume; use "
+                                "the same again, or start anew without --resume",
+                                state_file_.string()));
             carver_->set_density(density_);
             assessment_ = carver_->assess(sample_);
         });
@@ -186,6 +206,7 @@ class Carving {
         rows_ = rows_of(found.numbers.at("rows"));
         steps_ = static_cast<std::int64_t>(found.number("steps"));
         density_ = found.number("density");
+        image_ = found.numbers.at("image");
         cli::note(fmt::format("going on after iteration {}", rows_.back().iteration));
     }
 
@@ -250,6 +271,7 @@ class Carving {
             state.numbers["rows"] = numbers_of(rows_);
             state.numbers["steps"] = {static_cast<double>(steps_)};
             state.numbers["density"] = {carver_->density()};
+            state.numbers["image"] = image_;
         }
         write_checkpoint(state, inputs_, state_file_, communicator_);
     }
@@ -299,7 +321,8 @@ class Carving {
     std::vector<CarveRow> rows_;
     CarveRow last_;
     std::int64_t steps_ = 0;
-    double density_ = 0;  ///< from the state
+    double density_ = 0;         ///< from the state
+    std::vector<double> image_;  ///< what its options make of the volume
 };
 
 void run(const Request& request) {

@@ -54,7 +54,7 @@ struct ImagePores {
 /// @param least        across, of a pore that is not left out
 /// @param reach        how far from a pore its distance is known [mm]
 /// @throws InvalidInput if the image has no void, or nothing that is not too small
-/// @note   memory: 5 bytes a voxel of the boxes around the pores
+/// @note   memory: 4 bytes a voxel of the boxes around the pores, 9 while they are made
 ImagePores find_pores(const LabelVolume& volume, double seed_radius, double least, double reach, int threads);
 
 }  // namespace tomodem

@@ -107,6 +107,9 @@ assert (one["position/value"][()] == two["position/value"][()]).all()'
     sed 's/-0.1/-0.2/' scene.toml > other.toml
     refused 1 "another scene" carve dense.h5 other.toml pore.tif out.h5 --voxel-size 10um --judged-from 8 --quiet --resume
     refused 1 "cannot go on from 'out.h5.state'" carved out.h5 --resume --first-share 0.5
+    refused 1 "other options of the volume" \
+        carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 9.95um --judged-from 8 --quiet --resume
+    carved out.h5 --resume --pore-error 3%
 }
 
 @test "a sample that is masked already is worked on, with a warning" {
