@@ -7,6 +7,7 @@
 #include <CGAL/spatial_sort.h>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -145,27 +146,50 @@ PoreOverlap overlap_pore(std::span<const Vec3> centres, const DistanceField& ima
     }
     const std::vector<float> distance = squared_distances(free, size, Vec3::Constant(step));
     const double limit = probe - grid_bias(matter, across);
+    // A point stands for a cube: one that the edge cuts counts in part.
+    const auto share = [&](std::size_t at) {
+        return std::clamp((limit - std::sqrt(distance[at])) / step + 0.5, 0.0, 1.0);
+    };
     PoreOverlap overlap;
-    std::size_t at = 0;
-    const double share = step * step * step;
+    const double cube = step * step * step;
+    std::vector<bool> joined(distance.size(), false), inside(distance.size(), false);
+    std::vector<std::array<std::int32_t, 3>> front;
+    const auto place = [&](const std::array<std::int32_t, 3>& p) {
+        return (std::size_t(p[2]) * size[1] + p[1]) * size[0] + p[0];
+    };
+    const auto point = [&](const std::array<std::int32_t, 3>& p) -> Vec3 {
+        return corner + step * Vec3(p[0], p[1], p[2]);
+    };
     for (std::int32_t z = 0; z < size[2]; ++z)
         for (std::int32_t y = 0; y < size[1]; ++y)
-            for (std::int32_t x = 0; x < size[0]; ++x, ++at) {
-                const Vec3 point = corner + step * Vec3(x, y, z);
-                const double outside = image.at(point);
-                const bool inside = outside < 0;
-                // A point stands for a cube: one that the edge cuts counts in part.
-                const double void_share = std::clamp((limit - std::sqrt(distance[at])) / step + 0.5, 0.0, 1.0);
-                if ((void_share == 0 && !inside) || !belongs(point)) continue;
-                overlap.volume += share * void_share;
-                if (inside) {
-                    overlap.image += share;
-                    overlap.intersection += share * void_share;
-                    overlap.united += share;
-                } else {
-                    overlap.united += share * void_share;
-                }
+            for (std::int32_t x = 0; x < size[0]; ++x) {
+                const std::array<std::int32_t, 3> here{x, y, z};
+                if (!(image.at(point(here)) < 0) || !belongs(point(here))) continue;
+                const std::size_t at = place(here);
+                inside[at] = true;
+                overlap.image += cube;
+                if (share(at) == 0) continue;
+                joined[at] = true;
+                front.push_back(here);
             }
+    overlap.united = overlap.image;
+    while (!front.empty()) {
+        const std::array<std::int32_t, 3> here = front.back();
+        front.pop_back();
+        const std::size_t at = place(here);
+        overlap.volume += cube * share(at);
+        (inside[at] ? overlap.intersection : overlap.united) += cube * share(at);
+        for (int axis = 0; axis < 3; ++axis)
+            for (const int way : {-1, 1}) {
+                std::array<std::int32_t, 3> next = here;
+                next[axis] += way;
+                if (next[axis] < 0 || next[axis] >= size[axis]) continue;
+                const std::size_t there = place(next);
+                if (joined[there] || share(there) == 0 || !belongs(point(next))) continue;
+                joined[there] = true;
+                front.push_back(next);
+            }
+    }
     return overlap;
 }
 

@@ -36,7 +36,7 @@ PoreMeasure measure_pore(std::span<const Vec3> centres, const DistanceField& ima
                          const Matter& matter);
 
 /// By points of a grid, a quarter of a diameter apart: void is what balls of one diameter without a centre fill, rolled
-/// back from the centres by grid_bias().
+/// back from the centres by grid_bias(), and joined with void in the image's pore.
 struct PoreOverlap {
     double volume = 0;        ///< [mm^3]
     double intersection = 0;  ///< with the image's pore [mm^3]

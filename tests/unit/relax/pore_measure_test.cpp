@@ -91,6 +91,24 @@ TEST(PoreMeasure, IsNothingInADensePacking) {
         0);
 }
 
+TEST(PoreMeasure, LeavesOutTheVoidBehindAWall) {
+    const Hole hole;
+    const Vec3 centre(20, 20, 20);
+    const LabelVolume image = image_of({80, 80, 80}, Vec3::Constant(0.25), centre - Vec3(10, 10, 10),
+                                       [&](const Vec3& p) { return (p - centre).norm() < 5; });
+    const ImagePores pores = find_pores(image, seed_radius, 4, 4, 1);
+    std::vector<Vec3> centres;  // the sample ends three particles behind the pore
+    for (const Vec3& point : hole.around(centre, 5, 9))
+        if (point.x() < centre.x() + 8) centres.push_back(point);
+    const auto belongs = [&](const Vec3& p) { return (p - centre).norm() < 9; };
+    const double truth = 4.0 / 3 * std::numbers::pi * 125;
+    const PoreMeasure shape = measure_pore(centres, pores.pores[0].distance, belongs, hole.matter);
+    EXPECT_NEAR(shape.volume / truth, 1, 0.03);
+    EXPECT_FALSE(shape.leaks);
+    const PoreOverlap grid = overlap_pore(centres, pores.pores[0].distance, belongs, hole.matter, 10);
+    EXPECT_NEAR(grid.volume / truth, 1, 0.03);
+}
+
 TEST(PoreMeasure, SaysThatAPoreLeaksIntoItsNeighbour) {
     const Hole hole;
     const Vec3 centre(20, 20, 20);
