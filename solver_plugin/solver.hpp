@@ -36,7 +36,8 @@ struct RestLimits {
 /// speak of much earlier.
 RestLimits default_rest_limits(const Model& model);
 
-/// Periods until a dense sample of BILIN is at rest within the default limits, to foresee the cost.
+/// Periods until a dense sample of BILIN, filled at D = 0.65, is at rest within the default limits: to foresee the
+/// cost.
 double expected_relaxation_periods(std::int64_t particles);
 
 /// Of rest between planes that pull, for the faces to lie against them.

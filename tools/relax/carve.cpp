@@ -92,8 +92,8 @@ Carver::Carver(const LabelVolume& volume, const Packing& sample, const CarveOpti
     }
     if (closed == 0)
         throw InvalidInput(
-            "every pore of the volume meets one of its faces: there is no closed pore to be measured; what is open is "
-            "masked once by vol2pack");
+            "every pore of the volume meets one of its faces, or comes within two particles of one: there is no closed "
+            "pore to carve; let vol2pack mask what is open, and relax it");
     neighbours_.resize(image_.pores.size());
     for (std::size_t a = 0; a < image_.pores.size(); ++a)
         for (std::size_t b = 0; b < image_.pores.size(); ++b) {

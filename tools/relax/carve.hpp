@@ -23,7 +23,8 @@ struct CarveOptions {
 /// One pore of the image and what has become of it.
 struct PoreState {
     std::int32_t number = 0;
-    bool open = false;    ///< it meets a face of the image: measured within the image, one diameter from its faces
+    bool open =
+        false;  ///< it meets a face of the image or nearly so: measured within the image, one diameter from its faces
     bool judged = false;  ///< its own error counts
     double across = 0;    ///< particles [-]
     Vec3 centre = Vec3::Zero();

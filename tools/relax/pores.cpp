@@ -14,6 +14,9 @@
 namespace tomodem {
 namespace {
 
+/// Between a pore and a face of the image, in particles: a thinner one opens when the sample relaxes.
+constexpr double least_wall = 2;
+
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
 /// Lower envelope of parabolas: out(q) = min over p of (step (q - p))^2 + in(p).
@@ -205,7 +208,8 @@ ImagePores find_pores(const LabelVolume& volume, double seed_radius, double leas
         ImagePore& pore = *pores[k];
         pore.across = std::cbrt(6 * pore.volume / std::numbers::pi) / (2 * seed_radius);
         for (int c = 0; c < 3; ++c) {
-            pore.open = pore.open || extent.low[c] == 0 || extent.high[c] == volume.size()[c] - 1;
+            const double wall = std::min(extent.low[c], volume.size()[c] - 1 - extent.high[c]) * volume.spacing()[c];
+            pore.open = pore.open || wall < least_wall * 2 * seed_radius;
             const double mean = extent.sum[c] / static_cast<double>(components.voxels[i]) + 0.5;
             pore.centre[c] = volume.origin()[c] + volume.spacing()[c] * mean;
         }

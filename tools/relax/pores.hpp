@@ -39,7 +39,7 @@ struct ImagePore {
     std::int32_t number = 0;  ///< from 1, in raster order of the first voxels, among all components of the image
     double volume = 0;        ///< of its voxels [mm^3]
     double across = 0;        ///< diameter of the sphere of that volume, in particles [-]
-    bool open = false;        ///< it meets a face of the image
+    bool open = false;        ///< it meets a face of the image, or comes within two particles of one
     Vec3 centre = Vec3::Zero();
     DistanceField distance;  ///< known within `reach` of the pore
 };

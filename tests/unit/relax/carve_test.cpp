@@ -90,7 +90,7 @@ TEST_F(Carve, MasksOpenPoresOnceAndDoesNotJudgeThem) {
 
 TEST_F(Carve, DoesNotDependOnTheNumberOfThreads) {
     const auto is_void = [&](const Vec3& p) {
-        return (p - middle_ - Vec3(3, 0, 0)).norm() < 3.5 || (p - middle_ + Vec3(4, 0, 0)).norm() < 2.5;
+        return (p - middle_ - Vec3(2.4, 0, 0)).norm() < 2.6 || (p - middle_ + Vec3(3, 0, 0)).norm() < 2.2;
     };
     Carver one(image(is_void), sample_, {.threads = 1}), three(image(is_void), sample_, {.threads = 3});
     one.measure_density(sample_);
