@@ -227,6 +227,7 @@ class Carving {
         filter(sample_.species);
         filter(sample_.id);
         filter(sample_.object);
+        filter(sample_.radius);
     }
 
     void take_out(std::vector<std::size_t>& places) {
