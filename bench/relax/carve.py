@@ -34,7 +34,7 @@ PHANTOMS = {  # options of phantom_pores, pixels per seed
     "small": ("--size 120 --voxel-size 10um --porosity 0.1 --median-diameter 400um --spread 0.2 --clusters 0.2 --gap 8 "
               "--random-seed 6", 1.5),
 }
-IRON_VOXELS = ["--voxel-size", "3um", "--crop", "0:160,0:160,0:160"]
+IRON_VOXELS = ["--voxel-size", "3um", "--roi", "0:160,0:160,0:160"]
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("bin", type=pathlib.Path)

@@ -31,7 +31,7 @@ void check_place(const LabelVolume& volume, const Packing& sample) {
         return;
     throw InvalidInput(
         fmt::format("the volume and the sample do not lie over each other: the volume is {}, the sample's box {}; give "
-                    "--voxel-size, --origin and --crop as they were for the sample",
+                    "--voxel-size, --origin and --roi as they were for the sample",
                     place(low, high), place(sample_low, sample_high)));
 }
 
@@ -87,7 +87,7 @@ Carver::Carver(const LabelVolume& volume, const Packing& sample, const CarveOpti
                 throw InvalidInput(fmt::format(
                     "pore {} of the volume is at {:.4g}, {:.4g}, {:.4g} mm, outside the particles of the sample ({}); "
                     "give "
-                    "--voxel-size, --origin and --crop as they were for the sample",
+                    "--voxel-size, --origin and --roi as they were for the sample",
                     pore.number, pore.centre[0], pore.centre[1], pore.centre[2], place(sample_low, sample_high)));
     }
     if (closed == 0)

@@ -108,7 +108,7 @@ assert (one["position/value"][()] == two["position/value"][()]).all()'
     refused 1 "another scene" carve dense.h5 other.toml pore.tif out.h5 --voxel-size 10um --judged-from 8 --quiet --resume
     refused 1 "cannot go on from 'out.h5.state'" carved out.h5 --resume --first-share 0.5
     refused 1 "other options of the volume" \
-        carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --crop 0:71,0:72,0:72 --judged-from 8 \
+        carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --roi 0:71,0:72,0:72 --judged-from 8 \
         --quiet --resume
     carved out.h5 --resume --pore-error 3%
 }
@@ -126,7 +126,7 @@ assert (one["position/value"][()] == two["position/value"][()]).all()'
     refused 1 "says that its voxels are 0.01 x 0.01 x 0.01 mm" \
         carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 24um --quiet
     refused 1 "the volume and the sample do not lie over each other" \
-        carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --crop 0:72,0:72,0:40 --quiet
+        carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --roi 0:72,0:72,0:40 --quiet
     refused 1 "are too small for these particles" \
         carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --least-pore 20 --quiet
     refused 1 "every pore of the volume meets one of its faces" \
