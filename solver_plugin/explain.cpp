@@ -91,7 +91,8 @@ Explanation explain(const Packing& sample, const Scene& scene, MPI_Comm communic
     found.time_step_reason =
         model.norton ? norton_time_step_reason(scene, sample, model) : time_step_reason(scene, model);
     for (const LoadSegment& segment : path) found.steps += segment.steps;
-    if (!sample.relaxed) found.steps += relaxation_steps(model, default_relaxation_periods);
+    if (!sample.relaxed)
+        found.steps += relaxation_steps(model, expected_relaxation_periods(static_cast<std::int64_t>(sample.size())));
     if (model.planes_hold()) found.steps += relaxation_steps(model, seating_periods);
 
     plugin::Simulation simulation(sample, model, scene.axis, communicator);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <iostream>
 
 #include "core/error.hpp"
 #include "solver_plugin/mpi_tool.hpp"
@@ -63,7 +64,11 @@ Session::Session(MPI_Comm communicator) {
     std::string words[] = {"liggghts", "-log", "none", "-screen", "none"};
     char* arguments[std::size(words)];
     for (std::size_t k = 0; k < std::size(words); ++k) arguments[k] = words[k].data();
+    // From the second one on LIGGGHTS warns of each of its styles that it has them already.
+    std::streambuf* const errors = std::cerr.rdbuf(nullptr);
     lmp_ = std::make_unique<LAMMPS_NS::LAMMPS>(static_cast<int>(std::size(words)), arguments, communicator);
+    std::cerr.clear();
+    std::cerr.rdbuf(errors);
     register_fixes(*lmp_);
 }
 

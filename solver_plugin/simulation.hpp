@@ -30,6 +30,13 @@ struct Energies {
     double seeds = 0.0;    ///< elastic, of the overlapping seeds [nJ]
 };
 
+/// How far the sample is from equilibrium: forces are means over two steps, as at rest an attraction that switches with
+/// the direction of motion pulls in every other one.
+struct ForceBalance {
+    double net = 0.0;   ///< force on a particle, root mean square [uN]
+    double load = 0.0;  ///< sum of the magnitudes of a particle's pair forces, mean over the particles [uN]
+};
+
 enum class ContactState : std::int64_t { internal, interface, between_objects };
 
 /// A pair whose crowns meet.
@@ -81,6 +88,8 @@ class Simulation {
     /// in the order in which the walls were placed.
     std::vector<Vec3> take_wall_forces();
     Energies energies() const;
+    /// Of the pair laws alone; planes, walls and drag do not count. Makes two steps (seldom more).
+    ForceBalance force_balance();
     /// Kinetic energy [nJ] that the particles would have in a uniform flow between the planes; 0 without planes.
     double flow_energy() const;
     /// Present area between periodic sides [mm^2], in the sample's own lengths; nothing when the sides are free.

@@ -129,6 +129,46 @@ Energies Simulation::energies() const {
     return {s.total(kinetic) * to_sample, s.total(s.pair->seed_energy()) * to_sample};
 }
 
+ForceBalance Simulation::force_balance() {
+    State& s = *state_;
+    struct Forces {
+        std::vector<int> tags;
+        std::vector<Vec3> net;
+        double load = 0;
+    };
+    const auto look = [&] {
+        const LAMMPS_NS::Atom& atoms = s.atom();
+        Forces seen{{atoms.tag, atoms.tag + atoms.nlocal}, {}, 0};
+        seen.net.assign(seen.tags.size(), Vec3::Zero());
+        s.pair->tell_forces([&](int i, int j, const double* force, const double*) {
+            const Vec3 vector(force);
+            const double size = vector.norm();
+            seen.net[static_cast<std::size_t>(i)] += vector;
+            seen.load += size;
+            if (j >= atoms.nlocal) return;
+            seen.net[static_cast<std::size_t>(j)] -= vector;
+            seen.load += size;
+        });
+        return seen;
+    };
+    run(1);
+    Forces before = look();
+    for (;;) {
+        run(1);
+        Forces after = look();
+        // Particles change their places and processes when neighbours are listed anew: seldom.
+        if (s.largest(before.tags == after.tags ? 0 : 1) == 0) {
+            double squares = 0;
+            for (std::size_t i = 0; i < after.net.size(); ++i)
+                squares += ((before.net[i] + after.net[i]) / 2).squaredNorm();
+            const double count = static_cast<double>(s.count), to_sample = 1 / (s.scale * s.scale);
+            return {std::sqrt(s.total(squares) / count) * to_sample,
+                    s.total((before.load + after.load) / 2) / count * to_sample};
+        }
+        before = std::move(after);
+    }
+}
+
 double Simulation::flow_energy() const {
     State& s = *state_;
     if (s.planes == nullptr) return 0;

@@ -79,7 +79,8 @@ Simulation::Watch watching(Watch& watch, const Simulation& simulation) {
     return [&watch, &simulation] { return watch.next_piece(simulation.step()); };
 }
 
-void relax_inside(Simulation& simulation, const Model& model, double periods, const Simulation::Watch& watch = {}) {
+/// For a given number of periods.
+void rest_inside(Simulation& simulation, const Model& model, double periods, const Simulation::Watch& watch) {
     const std::int64_t steps = relaxation_steps(model, periods);
     constexpr std::int64_t chunk = 50;
     cli::Progress progress("relaxing", static_cast<double>(steps));
@@ -89,6 +90,57 @@ void relax_inside(Simulation& simulation, const Model& model, double periods, co
         refuse_runaway(simulation, simulation.energies().kinetic, model, "during relaxation");
         progress.update(static_cast<double>(done + chunk));
     }
+}
+
+struct Rest {
+    bool reached = false;
+    double periods = 0, energy_ratio = 0, force_balance = 0;
+};
+
+/// Elastic energy over N k_rep r_s^2 of a packing of BILIN at rest: 0.0033 to 0.0036. Where seeds hardly touch (NORTON,
+/// a few particles) the kinetic energy is compared with it instead.
+constexpr double elastic_energy_at_rest = 0.003;
+
+RestLimits filled(RestLimits limits, const Model& model) {
+    const RestLimits own = default_rest_limits(model);
+    if (limits.energy_ratio <= 0) limits.energy_ratio = own.energy_ratio;
+    if (limits.force_balance <= 0) limits.force_balance = own.force_balance;
+    return limits;
+}
+
+/// Until the sample is at rest: looked at once a period.
+Rest relax_inside(Simulation& simulation, const Model& model, const RestLimits& wanted,
+                  const Simulation::Watch& watch) {
+    const RestLimits limits = filled(wanted, model);
+    const std::int64_t period = relaxation_steps(model, 1), most = relaxation_steps(model, limits.max_periods);
+    const std::int64_t first = simulation.step();
+    cli::Progress progress("relaxing", 1);
+    simulation.begin_relaxation();
+    Rest rest;
+    double shown = 0;
+    for (std::int64_t done = 0; !rest.reached && done < most; done = simulation.step() - first) {
+        simulation.run(std::min(period, most - done), watch);
+        const plugin::Energies energies = simulation.energies();
+        refuse_runaway(simulation, energies.kinetic, model, "during relaxation");
+        const double kinetic = reduced_energy(simulation, energies.kinetic, model);
+        const double elastic = reduced_energy(simulation, energies.seeds, model);
+        rest.energy_ratio = kinetic / std::max(elastic, elastic_energy_at_rest);
+        const bool last = simulation.step() - first >= most;
+        if (rest.energy_ratio <= limits.energy_ratio || last) {
+            const plugin::ForceBalance forces = simulation.force_balance();
+            rest.force_balance = forces.load > 0 ? forces.net / forces.load : 0;
+            rest.reached = rest.energy_ratio <= limits.energy_ratio && rest.force_balance <= limits.force_balance;
+        }
+        shown = std::max(shown, std::log(std::max(rest.energy_ratio, 1e-300)) / std::log(limits.energy_ratio));
+        progress.update(std::clamp(shown, 0.0, 1.0));
+    }
+    rest.periods = static_cast<double>(simulation.step() - first) / static_cast<double>(period);
+    if (!rest.reached)
+        cli::warn(fmt::format(
+            "the sample is not at rest after {:.0f} natural periods: kinetic over elastic energy is {:.2g} (limit "
+            "{:.2g}), net force over load {:.2g} (limit {:.2g}); give more --max-periods to 'relax'",
+            rest.periods, rest.energy_ratio, limits.energy_ratio, rest.force_balance, limits.force_balance));
+    return rest;
 }
 
 const ParticleField velocity_field{"velocity", "mm s-1", 3};
@@ -205,13 +257,13 @@ class Pressing {
             const auto watch = watching(watch_, simulation());
             if (!sample_->relaxed) {
                 cli::note("the sample is not relaxed yet: relaxing it first");
-                relax_inside(simulation(), model_, default_relaxation_periods, watch);
+                relax_inside(simulation(), model_, {}, watch);
                 simulation().end_relaxation();
             }
             if (!scene_.steps.empty()) simulation().place_planes();
             place_walls(simulation(), scene_, Room::checked);
             if (model_.planes_hold()) {
-                relax_inside(simulation(), model_, seating_periods, watch);
+                rest_inside(simulation(), model_, seating_periods, watch);
                 simulation().end_relaxation();
             }
         } catch (const Stopped& stop) {
@@ -512,12 +564,33 @@ std::int64_t relaxation_steps(const Model& model, double periods) {
     return static_cast<std::int64_t>(std::ceil(periods * steps_of_a_period));
 }
 
-Relaxation relax(const Packing& sample, const Scene& scene, double periods, MPI_Comm communicator) {
+RestLimits default_rest_limits(const Model& model) {
+    if (model.norton) return {.energy_ratio = 1e-3, .force_balance = 1e-2};
+    return {.energy_ratio = 1e-5, .force_balance = 1e-3};
+}
+
+double expected_relaxation_periods(std::int64_t particles) {
+    return 40 * std::cbrt(static_cast<double>(particles) / 2000);  // its faces draw in
+}
+
+Relaxation relax(const Packing& sample, const Scene& scene, const RestLimits& limits, MPI_Comm communicator) {
+    const StopSignals signals;
     const Meter meter(communicator);
     const Model model = compile_model(scene, sample);
     Simulation simulation(sample, model, scene.axis, communicator);
-    relax_inside(simulation, model, periods);
+    Watch watch(communicator);
+    Rest rest;
+    try {
+        rest = relax_inside(simulation, model, limits, watching(watch, simulation));
+    } catch (const Stopped& stop) {
+        throw InvalidInput(fmt::format("stopped by {} while the sample was relaxed: nothing is kept of this relaxation",
+                                       StopSignals::name(stop.signal)));
+    }
     Relaxation result;
+    result.at_rest = rest.reached;
+    result.periods = rest.periods;
+    result.energy_ratio = rest.energy_ratio;
+    result.force_balance = rest.force_balance;
     result.residual_energy = reduced_energy(simulation, simulation.energies().kinetic, model);
     result.sample = sample;
     result.sample.position = simulation.positions();

@@ -22,8 +22,23 @@ struct Cost {
     int processes = 1;
 };
 
-/// Enough for a dense or a porous sample of BILIN to come to rest.
-inline constexpr double default_relaxation_periods = 20;
+/// When a free sample is at rest (docs/relaxation.md), and how long that is waited for.
+struct RestLimits {
+    /// Kinetic energy over that of the overlapping seeds, and at most over 0.003 N k_rep r_s^2, which BILIN has at
+    /// rest.
+    double energy_ratio = 0;
+    /// Net force on a particle (root mean square) over the sum of its pair forces (mean over the particles).
+    double force_balance = 0;
+    double max_periods = 1000;  ///< then it ends all the same, with a warning
+};
+
+/// Beyond them no geometry changes by more than 2e-4. A viscous sample (NORTON) creeps to rest, and moves no more to
+/// speak of much earlier.
+RestLimits default_rest_limits(const Model& model);
+
+/// Periods until a dense sample of BILIN, filled at D = 0.65, is at rest within the default limits: to foresee the
+/// cost.
+double expected_relaxation_periods(std::int64_t particles);
 
 /// Of rest between planes that pull, for the faces to lie against them.
 inline constexpr double seating_periods = 20;
@@ -34,14 +49,20 @@ std::int64_t relaxation_steps(const Model& model, double periods);
 
 struct Relaxation {
     Packing sample;                   ///< at rest, `relaxed`; complete on the first process only
+    bool at_rest = false;             ///< within the limits
+    double periods = 0;               ///< natural periods until then
+    double energy_ratio = 0;          ///< at the end [-]
+    double force_balance = 0;         ///< at the end [-]
     double residual_energy = 0.0;     ///< kinetic energy at the end over N k_rep r_s^2 [-]
     double largest_displacement = 0;  ///< over the seed radius [-]
     Cost cost;
 };
 
-/// Lets the free sample come to rest under its law (thesis section 5.3): `periods` natural periods of 20 time steps
-/// each, the same for every particle, with a viscous drag.
-Relaxation relax(const Packing& sample, const Scene& scene, double periods, MPI_Comm communicator);
+/// Lets the free sample come to rest under its law (thesis section 5.3), in natural periods of 20 time steps, the same
+/// for every particle, with a viscous drag.
+/// @param limits  zeros in it stand for those of default_rest_limits()
+/// @throws InvalidInput if the scene does not fit the sample, particles are lost, or a signal stops it
+Relaxation relax(const Packing& sample, const Scene& scene, const RestLimits& limits, MPI_Comm communicator);
 
 struct RunResult {
     Cost cost;

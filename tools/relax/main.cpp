@@ -10,7 +10,7 @@ using namespace tomodem;
 
 struct Request {
     std::filesystem::path sample, scene, relaxed;
-    double periods = default_relaxation_periods;
+    RestLimits limits;
 };
 
 cli::Usage usage(Request& request) {
@@ -18,7 +18,12 @@ cli::Usage usage(Request& request) {
         .input("SAMPLE", request.sample, "sample of particles (.h5)")
         .input("SCENE", request.scene, "what the sample is made of (.toml)")
         .output("RELAXED", request.relaxed, "sample at rest to write (.h5)")
-        .option("--periods", request.periods, cli::Unit::none, cli::positive, "how many natural periods to wait")
+        .option("--energy-ratio", request.limits.energy_ratio, cli::Unit::none, cli::positive,
+                "at rest when kinetic over elastic energy is at most this; default 1e-5, law norton 1e-3")
+        .option("--force-balance", request.limits.force_balance, cli::Unit::none, cli::positive,
+                "and the net force on a particle over the sum of its forces this; default 1e-3, law norton 1e-2")
+        .option("--max-periods", request.limits.max_periods, cli::Unit::none, cli::positive,
+                "natural periods after which it ends all the same, with a warning")
         .example("relax sample.h5 scene.toml relaxed.h5");
 }
 
@@ -27,12 +32,16 @@ void run(const Request& request) {
     const Packing sample = read_sample(request.sample);
     Provenance provenance = cli::provenance();
     provenance.scene = scene.text;
-    const Relaxation result = relax(sample, scene, request.periods, MPI_COMM_WORLD);
+    const Relaxation result = relax(sample, scene, request.limits, MPI_COMM_WORLD);
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     if (rank == 0) write_packing(result.sample, request.relaxed, provenance);
     cli::report("particles", static_cast<std::int64_t>(sample.size()));
     cli::report("steps", result.cost.steps);
+    cli::report("at_rest", static_cast<std::int64_t>(result.at_rest));
+    cli::report("periods", result.periods);
+    cli::report("energy_ratio", result.energy_ratio);
+    cli::report("force_balance", result.force_balance);
     cli::report("residual_energy", result.residual_energy, "N k_rep r_s^2");
     cli::report("largest_displacement", result.largest_displacement, "r_s");
     cli::report("processes", static_cast<std::int64_t>(result.cost.processes));

@@ -339,7 +339,7 @@ END
 }
 
 @test "frames hold velocities and stresses where the scene asks, the same on one and two processes" {
-    make_relaxed
+    make_relaxed 2000  # with 500 the last frame alone scatters by 3 % between packings
     press_scene scene.toml -0.12
     solve relaxed.h5 scene.toml one.h5 --quiet
     mpirun --oversubscribe -np 2 "$TOMODEM_BIN/solve" relaxed.h5 scene.toml two.h5 --quiet

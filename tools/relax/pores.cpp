@@ -1,0 +1,221 @@
+#include "tools/relax/pores.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+
+#include "core/error.hpp"
+#include "core/volume_parallel.hpp"
+
+namespace tomodem {
+namespace {
+
+/// Between a pore and a face of the image, in particles: a thinner one opens when the sample relaxes.
+constexpr double least_wall = 2;
+
+constexpr float infinite = std::numeric_limits<float>::infinity();
+
+/// Lower envelope of parabolas: out(q) = min over p of (step (q - p))^2 + in(p).
+/// Source: Felzenszwalb & Huttenlocher, Distance transforms of sampled functions, Theory of Computing 8 (2012) 415.
+void transform_line(const std::vector<double>& in, double step, std::vector<double>& out, std::vector<int>& place,
+                    std::vector<double>& from) {
+    const int count = static_cast<int>(in.size());
+    const double square = step * step;
+    int last = -1;
+    for (int q = 0; q < count; ++q) {
+        if (std::isinf(in[q])) continue;
+        double begin = -std::numeric_limits<double>::infinity();
+        for (; last >= 0; --last) {
+            const int p = place[last];
+            begin = ((in[q] - in[p]) / square + double(q) * q - double(p) * p) / (2.0 * (q - p));
+            if (begin > from[last]) break;
+            begin = -std::numeric_limits<double>::infinity();
+        }
+        place[++last] = q;
+        from[last] = begin;
+    }
+    if (last < 0) {
+        std::fill(out.begin(), out.end(), std::numeric_limits<double>::infinity());
+        return;
+    }
+    for (int q = 0, k = 0; q < count; ++q) {
+        while (k < last && from[k + 1] < q) ++k;
+        const double apart = q - place[k];
+        out[q] = square * apart * apart + in[place[k]];
+    }
+}
+
+struct Extent {
+    VoxelIndex low{std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::int32_t>::max(),
+                   std::numeric_limits<std::int32_t>::max()};
+    VoxelIndex high{-1, -1, -1};
+    std::array<double, 3> sum{0, 0, 0};
+
+    void add(const VoxelIndex& voxel) {
+        for (int c = 0; c < 3; ++c) {
+            low[c] = std::min(low[c], voxel[c]);
+            high[c] = std::max(high[c], voxel[c]);
+            sum[c] += voxel[c];
+        }
+    }
+};
+
+std::vector<Extent> extents_of(const Components& components) {
+    std::vector<Extent> extents(components.voxels.size());
+    const VoxelIndex size = components.number.size();
+    std::vector<std::int32_t> slab;
+    for (std::int32_t k = 0; k < size[2]; k += LabelVolume::slab) {
+        const std::int32_t count = std::min(LabelVolume::slab, size[2] - k);
+        components.number.slices(k, count, slab);
+        std::size_t at = 0;
+        for (std::int32_t z = k; z < k + count; ++z)
+            for (std::int32_t y = 0; y < size[1]; ++y)
+                for (std::int32_t x = 0; x < size[0]; ++x, ++at)
+                    if (slab[at] != 0) extents[slab[at] - 1].add({x, y, z});
+    }
+    return extents;
+}
+
+DistanceField field_around(const LabelVolume& number, std::int32_t wanted, const Extent& extent, double reach) {
+    const VoxelIndex image = number.size();
+    const Vec3 spacing = number.spacing();
+    VoxelIndex first, size;
+    for (int c = 0; c < 3; ++c) {
+        const auto margin = static_cast<std::int32_t>(std::ceil(reach / spacing[c])) + 2;
+        first[c] = extent.low[c] - margin;
+        size[c] = extent.high[c] + margin + 1 - first[c];
+    }
+    const std::size_t count = std::size_t(size[0]) * size[1] * size[2];
+    VoxelIndex from, to;
+    for (int c = 0; c < 3; ++c) {
+        from[c] = std::max(0, -first[c]);
+        to[c] = std::min(size[c], image[c] - first[c]);
+    }
+    std::vector<bool> inside(count);
+    const LabelVolume::Sampler sampler(number);
+    std::size_t at = 0;
+    for (std::int32_t z = first[2]; z < first[2] + size[2]; ++z)
+        for (std::int32_t y = first[1]; y < first[1] + size[1]; ++y)
+            for (std::int32_t x = first[0]; x < first[0] + size[0]; ++x, ++at)
+                inside[at] = sampler.at({x, y, z}) == wanted;
+    const Vec3 corner = number.origin() + spacing.cwiseProduct(Vec3(first[0], first[1], first[2]));
+    return DistanceField(inside, size, from, to, spacing, corner);
+}
+
+}  // namespace
+
+std::vector<float> squared_distances(const std::vector<bool>& set, VoxelIndex size, const Vec3& spacing) {
+    std::vector<float> result(set.size());
+    for (std::size_t i = 0; i < set.size(); ++i) result[i] = set[i] ? 0.0f : infinite;
+    const std::array<std::size_t, 3> stride{1, std::size_t(size[0]), std::size_t(size[0]) * size[1]};
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto count = static_cast<std::size_t>(size[axis]);
+        std::vector<double> in(count), out(count), from(count);
+        std::vector<int> place(count);
+        const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+        for (std::int32_t i = 0; i < size[a]; ++i)
+            for (std::int32_t j = 0; j < size[b]; ++j) {
+                float* const line = result.data() + i * stride[a] + j * stride[b];
+                for (std::size_t q = 0; q < count; ++q) in[q] = line[q * stride[axis]];
+                transform_line(in, spacing[axis], out, place, from);
+                for (std::size_t q = 0; q < count; ++q) line[q * stride[axis]] = static_cast<float>(out[q]);
+            }
+    }
+    return result;
+}
+
+DistanceField::DistanceField(const std::vector<bool>& inside, VoxelIndex size, const VoxelIndex& from,
+                             const VoxelIndex& to, const Vec3& spacing, const Vec3& corner)
+    : size_(size), spacing_(spacing), low_(corner + spacing / 2) {
+    high_ = low_ + spacing.cwiseProduct(Vec3(size[0] - 1, size[1] - 1, size[2] - 1));
+    for (int c = 0; c < 3; ++c) {
+        first_[c] = from[c];
+        last_[c] = to[c] - 1;
+    }
+    std::vector<bool> outside(inside.size());
+    for (std::int32_t z = from[2]; z < to[2]; ++z)
+        for (std::int32_t y = from[1]; y < to[1]; ++y)
+            for (std::int32_t x = from[0]; x < to[0]; ++x) {
+                const std::size_t at = (std::size_t(z) * size[1] + y) * size[0] + x;
+                outside[at] = !inside[at];
+            }
+    distance_ = squared_distances(inside, size, spacing);
+    const std::vector<float> to_outside = squared_distances(outside, size, spacing);
+    // The surface lies half a voxel from the centres on both of its sides.
+    const auto half = static_cast<float>(0.5 * std::cbrt(spacing.prod()));
+    for (std::size_t i = 0; i < distance_.size(); ++i)
+        distance_[i] = distance_[i] > 0 ? std::sqrt(distance_[i]) - half : half - std::sqrt(to_outside[i]);
+}
+
+double DistanceField::at(const Vec3& point) const {
+    std::int32_t cell[3];
+    double part[3];
+    for (int c = 0; c < 3; ++c) {
+        const double place = (point[c] - low_[c]) / spacing_[c];
+        if (!(place >= 0 && place <= size_[c] - 1)) return std::numeric_limits<double>::infinity();
+        const double clamped = std::clamp(place, first_[c], last_[c]);
+        cell[c] = std::min(static_cast<std::int32_t>(clamped), size_[c] - 2);
+        part[c] = clamped - cell[c];
+    }
+    double sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+        const double weight = (x ? part[0] : 1 - part[0]) * (y ? part[1] : 1 - part[1]) * (z ? part[2] : 1 - part[2]);
+        if (weight > 0)
+            sum += weight * distance_[(std::size_t(cell[2] + z) * size_[1] + (cell[1] + y)) * size_[0] + cell[0] + x];
+    }
+    return sum;
+}
+
+ImagePores find_pores(const LabelVolume& volume, double seed_radius, double least, double reach, int threads) {
+    const Components components = connected_components(volume, {0});
+    if (components.voxels.empty())
+        throw InvalidInput("the volume has no pore: no voxel has label 0 (void); --relabel 2=0 makes label 2 void");
+    const std::vector<Extent> extents = extents_of(components);
+    const double voxel = volume.spacing().prod();
+    ImagePores found;
+    std::vector<std::size_t> kept;
+    double largest = 0;
+    for (std::size_t i = 0; i < components.voxels.size(); ++i) {
+        const double size = static_cast<double>(components.voxels[i]) * voxel;
+        const double across = std::cbrt(6 * size / std::numbers::pi) / (2 * seed_radius);
+        largest = std::max(largest, across);
+        if (across >= least) {
+            kept.push_back(i);
+        } else {
+            ++found.too_small;
+            found.too_small_volume += size;
+        }
+    }
+    if (kept.empty())
+        throw InvalidInput(fmt::format(
+            "the pores of the volume are too small for these particles: the largest of {} is {:.2g} particles "
+            "across, {:g} are needed; make the sample of finer particles (--pixels-per-seed), and look at "
+            "--voxel-size",
+            components.voxels.size(), largest, least));
+    std::vector<std::unique_ptr<ImagePore>> pores(kept.size());
+    parallel_for(static_cast<std::int64_t>(kept.size()), threads, [&](std::int64_t k) {
+        const std::size_t i = kept[k];
+        const Extent& extent = extents[i];
+        const auto number = static_cast<std::int32_t>(i) + 1;
+        pores[k] = std::make_unique<ImagePore>(ImagePore{number, static_cast<double>(components.voxels[i]) * voxel, 0,
+                                                         false, Vec3::Zero(),
+                                                         field_around(components.number, number, extent, reach)});
+        ImagePore& pore = *pores[k];
+        pore.across = std::cbrt(6 * pore.volume / std::numbers::pi) / (2 * seed_radius);
+        for (int c = 0; c < 3; ++c) {
+            const double wall = std::min(extent.low[c], volume.size()[c] - 1 - extent.high[c]) * volume.spacing()[c];
+            pore.open = pore.open || wall < least_wall * 2 * seed_radius;
+            const double mean = extent.sum[c] / static_cast<double>(components.voxels[i]) + 0.5;
+            pore.centre[c] = volume.origin()[c] + volume.spacing()[c] * mean;
+        }
+    });
+    for (auto& pore : pores) found.pores.push_back(std::move(*pore));
+    return found;
+}
+
+}  // namespace tomodem
