@@ -217,8 +217,8 @@ def large_strains():
     result = solve("bilin.h5", phase(), [(-3, 1e-2)])
     row("BILIN, strain -3", result, not isinstance(result, str) and abs(result["strain"][-1] + 3) < 1e-9,
         "" if isinstance(result, str) else f"{-result['stress_true'][-1] / 1e6:.4g} MPa, none lost")
-    rests = []  # of three packings: one alone is between 3.7 and 5.1 %
-    for seed in (1, 2, 3):
+    rests = []  # one packing alone is between 1.2 and 6.5 %, the mean of twelve 4.3 +- 0.4 %
+    for seed in range(1, 13):
         brick("pulled.h5", 500, 0.74, seed)
         result = solve("pulled.h5", phase(law="trilin", stiffness=1.42e9), [(3, 1e-2)], time_step=0.1)
         if isinstance(result, str):
@@ -226,7 +226,7 @@ def large_strains():
         force = result["stress_engineering"]
         rests.append(np.abs(force[-10:]).max() / force.max())
     row("TRILIN, strain +3", result, np.mean(rests) < 0.05,
-        f"broken: {np.mean(rests):.1%} of the greatest force in the mean of three packings, none lost")
+        f"broken: {np.mean(rests):.1%} of the greatest force in the mean of twelve packings, none lost")
 
 
 def dispersions():

@@ -123,7 +123,7 @@ needs_shared() { [ -d "$shared/data" ] || skip "the shared tomographies are not 
 @test "a real tomography of nodules in iron keeps its phase fractions" {
     needs_shared
     pipeline VOLUME="$shared/data/nodular_cast_iron/labels" VOXEL_SIZE=3um LABELS=1=graphite,2=iron OUT=iron \
-        CROP=0:150,0:150,0:150 PARTICLES=6000 iron/sample.h5
+        ROI=0:150,0:150,0:150 PARTICLES=6000 iron/sample.h5
     /usr/bin/python3 - <<'END'
 import json
 for phase in json.load(open("iron/sample.json"))["phases"]:
@@ -136,6 +136,6 @@ END
     grey=$shared/data/trabecular_bone/bone_grey.tif
     run -2 pipeline VOLUME="$grey" VOXEL_SIZE=19.5um OUT=grey grey/sample.h5
     [[ $output == *"it is grey; give THRESHOLD="* ]]
-    pipeline VOLUME="$grey" VOXEL_SIZE=19.5um THRESHOLD=83 CROP=0:100,0:100,0:100 PARTICLES=3000 OUT=bone bone/sample.h5
+    pipeline VOLUME="$grey" VOXEL_SIZE=19.5um THRESHOLD=83 ROI=0:100,0:100,0:100 PARTICLES=3000 OUT=bone bone/sample.h5
     grep -q 'phase."solid"' bone/scene.toml
 }

@@ -7,7 +7,7 @@ setup() {
 }
 
 info() {
-    "$TOMODEM_BIN/volume_info" "$1" --voxel-size 1um --min-component 1 --json info.json --quiet
+    "$TOMODEM_BIN/volume_info" "$1" --min-component 1 --json info.json --quiet
 }
 
 @test "phantom_inclusions has the fraction, the count and the separate inclusions of its truth" {
