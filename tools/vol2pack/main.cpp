@@ -134,6 +134,7 @@ void run(const Request& request) {
                                    : parse_label_objects("--label-objects", request.label_objects);
     const auto properties = request.property.empty() ? std::map<std::string, std::string>{}
                                                      : parse_properties("--property", request.property);
+    for (const auto& [name, file] : properties) open_volume(file);  // what is missing is said before the work
 
     PhaseClock clock;
     const Packing brick = read_packing(request.brick);

@@ -77,6 +77,48 @@ PYTHON
     cmp <(grep -v "^image" multipage.txt) <(grep -v "^image" folder.txt)
 }
 
+@test "the same image in other formats gives the same particles; another volume becomes a property" {
+    /usr/bin/python3 - <<'PYTHON'
+import gzip
+import h5py
+import numpy as np
+from vtk import vtkTIFFReader
+from vtkmodules.util.numpy_support import vtk_to_numpy
+reader = vtkTIFFReader()
+reader.SetFileName("composite.tif")
+reader.SetOrientationType(1)
+reader.Update()
+voxels = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).reshape(80, 80, 80).astype(np.uint8)
+with h5py.File("scan.h5", "w") as file:
+    data = file.create_dataset("exchange/data", data=voxels.astype(">u2"), chunks=(13, 32, 80), compression="gzip")
+    data.attrs["element_size_um"] = [10.0, 10.0, 10.0]
+    file["heat"] = np.broadcast_to(np.arange(80, dtype=np.float32)[:, None, None], (80, 80, 80))
+with open("scan.nrrd", "wb") as file:
+    file.write(b'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 80 80 80\nspace units: "um" "um" "um"\n'
+               b'spacings: 10 10 10\nencoding: gzip\n\n' + gzip.compress(voxels.tobytes()))
+voxels.tofile("scan.dat")
+PYTHON
+    vol2pack brick.h5 composite.tif tiff.h5 --pixels-per-seed 2 --quiet
+    vol2pack brick.h5 scan.h5:/exchange/data hdf5.h5 --pixels-per-seed 2 --quiet --property heat=scan.h5:/heat
+    vol2pack brick.h5 scan.nrrd nrrd.h5 --pixels-per-seed 2 --quiet
+    vol2pack brick.h5 scan.dat raw.h5 --raw-size 80 --raw-type uint8 --voxel-size 10um --pixels-per-seed 2 --quiet
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+import numpy as np
+files = [h5py.File(f"{name}.h5")["particles/all"] for name in ("tiff", "hdf5", "nrrd", "raw")]
+for other in files[1:]:
+    assert (other["species"][:] == files[0]["species"][:]).all()
+    assert (other["position/value"][:] == files[0]["position/value"][:]).all()
+z = files[1]["position/value"][0, :, 2]
+assert (files[1]["property/heat"][:] == np.floor(z / 0.01)).all()
+inputs = h5py.File("hdf5.h5")["parameters/tomodem/inputs"]
+assert b"scan.h5:/heat" in inputs["name"][:].tolist(), inputs["name"][:]
+PYTHON
+    refused 1 "of no known format" vol2pack brick.h5 composite.tif out.h5 --pixels-per-seed 2 \
+        --property "heat=$TOMODEM_SOURCE/README.md"
+    refused 1 "does not exist" vol2pack brick.h5 composite.tif out.h5 --pixels-per-seed 2 --property heat=none.tif
+}
+
 @test "cropping keeps the world coordinates" {
     vol2pack brick.h5 composite.tif out.h5 --voxel-size 10um --pixels-per-seed 1 --roi 10:30,20:40,30:50 \
         --origin 1mm,0mm,0mm --quiet

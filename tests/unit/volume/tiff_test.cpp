@@ -331,6 +331,13 @@ TEST_F(Tiff, RejectsAnImageJStackWithoutThePlanesThatItAnnounces) {
                 ThrowsMessage<InvalidInput>(HasSubstr("says that it holds 3 slices but there is one page")));
 }
 
+TEST_F(Tiff, RejectsPagesOfDifferentType) {
+    write_tiff(folder / "a.tif", 2, 2, std::vector<std::uint8_t>(4), {});
+    write_tiff(folder / "a.tif", 2, 2, std::vector<std::uint16_t>(4), {.bits = 16, .mode = "a"});
+    EXPECT_THAT([&] { read_label_volume(folder / "a.tif", unit_voxels()); },
+                ThrowsMessage<InvalidInput>(HasSubstr("slice 1 holds uint16 but slice 0 holds uint8")));
+}
+
 class SliceFolder : public InTemporaryFolder {
  protected:
     void slice(const std::string& name, std::uint8_t value) {

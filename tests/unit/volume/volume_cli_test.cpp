@@ -61,6 +61,41 @@ TEST(Relabelling, RejectsALabelNamedTwice) {
                 ThrowsMessage<WrongUsage>(HasSubstr("label 1 is named twice")));
 }
 
+TEST(Properties, AreNamesAndVolumes) {
+    EXPECT_THAT(parse_properties("--property", "t=a.tif, damage_2=d.h5:/x"),
+                ElementsAre(Pair("damage_2", "d.h5:/x"), Pair("t", "a.tif")));
+    for (const char* text : {"", "t", "=a.tif", "t=", "a b=c.tif", "t=a.tif,"})
+        EXPECT_THAT([&] { parse_properties("--property", text); }, ThrowsMessage<WrongUsage>(HasSubstr("NAME=VOLUME")))
+            << text;
+    EXPECT_THAT([&] { parse_properties("--property", "t=a,t=b"); },
+                ThrowsMessage<WrongUsage>(HasSubstr("t is named twice")));
+}
+
+TEST(Thresholds, RiseAndAreNumbers) {
+    EXPECT_THAT(parse_thresholds("--threshold", "83, 140.5"), ElementsAre(83, 140.5));
+    for (const char* text : {"", "a", "140,83", "1,1", "nan", "1e999"})
+        EXPECT_THAT([&] { parse_thresholds("--threshold", text); },
+                    ThrowsMessage<WrongUsage>(HasSubstr("numbers that rise")))
+            << text;
+}
+
+TEST(VolumeOptions, OfRawVoxelsNeedSizeAndType) {
+    VolumeRequest request;
+    request.raw_size = "2x3x4";
+    EXPECT_THAT([&] { volume_options(request); },
+                ThrowsMessage<WrongUsage>(HasSubstr("both --raw-size and --raw-type")));
+    request.raw_type = "u16";
+    request.raw_byte_order = "big";
+    request.raw_offset = 512;
+    const RawLayout raw = volume_options(request).raw.value();
+    EXPECT_EQ(raw.size, (VoxelIndex{2, 3, 4}));
+    EXPECT_EQ(raw.type, VoxelType::uint16);
+    EXPECT_TRUE(raw.big_endian);
+    EXPECT_EQ(raw.offset, 512);
+    request.raw_type = "bits";
+    EXPECT_THAT([&] { volume_options(request); }, ThrowsMessage<WrongUsage>(HasSubstr("--raw-type 'bits'")));
+}
+
 TEST(Labels, AreSortedAndUnique) {
     EXPECT_THAT(parse_labels("--objects", "3, 1,3"), ElementsAre(1, 3));
 }
