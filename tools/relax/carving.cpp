@@ -1,0 +1,293 @@
+#include "tools/relax/carving.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <utility>
+
+#include "core/cli.hpp"
+#include "core/output_file.hpp"
+#include "core/packing_file.hpp"
+#include "solver_plugin/checkpoint.hpp"
+#include "solver_plugin/mpi_tool.hpp"
+
+namespace tomodem {
+namespace {
+
+std::filesystem::path with_suffix(std::filesystem::path file, const char* suffix) {
+    return file += suffix;
+}
+
+/// Place, size and pores of a volume, to be compared.
+std::vector<double> numbers_of(const LabelVolume& volume) {
+    std::vector<double> numbers;
+    for (int c = 0; c < 3; ++c) {
+        numbers.push_back(volume.origin()[c]);
+        numbers.push_back(volume.spacing()[c]);
+        numbers.push_back(volume.size()[c]);
+    }
+    for (const auto& [label, voxels] : volume.histogram()) {
+        numbers.push_back(label);
+        numbers.push_back(static_cast<double>(voxels));
+    }
+    return numbers;
+}
+
+/// The loop; what looks at the image runs on the first process alone.
+class Carving {
+ public:
+    Carving(const CarveRequest& request, MPI_Comm communicator)
+        : request_(request),
+          communicator_(communicator),
+          state_file_(with_suffix(request.carved, ".state")),
+          table_file_(request.table.empty() ? std::filesystem::path(request.carved).replace_extension(".csv")
+                                            : request.table),
+          scene_(read_scene(request.scene)),
+          sample_(read_sample(request.sample)),
+          provenance_(cli::provenance()) {
+        int rank = 0;
+        MPI_Comm_rank(communicator, &rank);
+        first_ = rank == 0;
+        provenance_.scene = scene_.text;
+        inputs_ = {provenance_.version, scene_.text, ""};
+        for (const auto& [name, digest] : provenance_.inputs) inputs_.digests += digest + " ";
+        inputs_.digests += fmt::format("{} {} {} {} {} {}", request.carve.least_across, request.carve.first_share,
+                                       request.carve.judged_across, request.limits.energy_ratio,
+                                       request.limits.force_balance, request.limits.max_periods);
+        together(communicator, [&] {
+            if (!first_) return;
+            output_.emplace(request.carved);  // a folder that cannot be written to is found now, not at the end
+            const OutputFile table(table_file_);
+        });
+    }
+
+    void run() {
+        begin();
+        for (std::int64_t iteration = static_cast<std::int64_t>(rows_.size());; ++iteration) {
+            std::vector<std::size_t> removal;
+            int done = 0;
+            together(communicator_, [&] {
+                if (!first_) return;
+                done = carver_->is_done(assessment_);
+                if (done) return;
+                if (iteration > request_.max_iterations)
+                    throw InvalidInput(fmt::format("the pores are not as large as the image's after {} iterations: {}",
+                                                   request_.max_iterations, how_far()));
+                removal = carver_->next_removal(sample_, assessment_, iteration == 1);
+                if (removal.empty())
+                    throw InvalidInput(fmt::format(
+                        "the pores are larger than the image's, and particles cannot be put back: {}; start "
+                        "from the dense sample, or with a smaller --first-share",
+                        how_far()));
+            });
+            MPI_Bcast(&done, 1, MPI_INT, 0, communicator_);
+            if (done) break;
+            take_out(removal);
+            const std::int64_t removed = share_count(static_cast<std::int64_t>(removal.size()));
+            come_to_rest();
+            assess(iteration, removed);
+        }
+        finish();
+    }
+
+ private:
+    std::string how_far() const {
+        std::string text = fmt::format("total volume {:+.2f} %", 100 * assessment_.total_error());
+        if (assessment_.judged > 0)
+            text += fmt::format(", {} of {} judged pores beyond {:g} %, pore {} by {:+.2f} %", assessment_.wrong,
+                                assessment_.judged, request_.pore_error, assessment_.pores[assessment_.worst].number,
+                                100 * assessment_.pores[assessment_.worst].error());
+        return text;
+    }
+
+    std::int64_t share_count(std::int64_t count) const {
+        MPI_Bcast(&count, 1, MPI_INT64_T, 0, communicator_);
+        return count;
+    }
+
+    void begin() {
+        std::error_code ignored;
+        const bool go_on = request_.resume && std::filesystem::exists(state_file_, ignored);
+        MPI_Barrier(communicator_);
+        if (go_on) {
+            restore();
+        } else if (request_.resume && first_) {
+            cli::note(fmt::format("there is no state '{}': starting from the beginning", state_file_.string()));
+        }
+        together(communicator_, [&] {
+            if (!first_) return;
+            CarveOptions options = request_.carve;
+            options.pore_error = request_.pore_error / 100;
+            options.total_error = request_.total_error / 100;
+            options.threads = cli::threads();
+            const LabelVolume volume = read_label_volume(request_.volume.path, volume_options(request_.volume));
+            carver_.emplace(volume, sample_, options);
+            const std::vector<double> before = std::exchange(image_, numbers_of(volume));
+            if (!go_on) return;
+            if (before != image_)
+                throw InvalidInput(
+                    fmt::format("cannot go on from '{}': it was made with other options of the volume; use "
+                                "the same again, or start anew without --resume",
+                                state_file_.string()));
+            carver_->set_density(density_);
+            assessment_ = carver_->assess(sample_);
+        });
+        if (!go_on) {
+            // With its pores filled its faces draw in without moving the pores.
+            if (!sample_.relaxed) come_to_rest();
+            if (first_) carver_->measure_density(sample_);
+            assess(0, 0);
+        }
+        if (!first_) return;
+        const double empty = carver_->empty_share(assessment_);
+        if (!go_on && empty > 0.5)
+            cli::warn(
+                fmt::format("the sample is masked already: {:.0f} % of the pores' volume has no particles; they can "
+                            "only grow from there, a dense sample (vol2pack --relabel 0=1) is the better start",
+                            100 * empty));
+    }
+
+    void restore() {
+        const Checkpoint found = read_checkpoint(state_file_, inputs_, communicator_).checkpoint;
+        const std::vector<double>&ids = found.numbers.at("id"), &position = found.numbers.at("position");
+        std::vector<std::size_t> gone;
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < sample_.size(); ++i)
+            if (at < ids.size() && static_cast<std::int64_t>(ids[at]) == sample_.id[i])
+                ++at;
+            else
+                gone.push_back(i);
+        erase(gone);
+        for (std::size_t i = 0; i < sample_.size(); ++i) sample_.position[i] = Vec3(position.data() + 3 * i);
+        sample_.relaxed = true;
+        rows_ = rows_of(found.numbers.at("rows"));
+        steps_ = static_cast<std::int64_t>(found.number("steps"));
+        density_ = found.number("density");
+        image_ = found.numbers.at("image");
+        cli::note(fmt::format("going on after iteration {}", rows_.back().iteration));
+    }
+
+    void erase(const std::vector<std::size_t>& places) {
+        const auto filter = [&](auto& values) {
+            if (values.empty()) return;
+            std::size_t to = 0, next = 0;
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                if (next < places.size() && places[next] == i) {
+                    ++next;
+                    continue;
+                }
+                values[to++] = values[i];
+            }
+            values.resize(to);
+        };
+        filter(sample_.position);
+        filter(sample_.species);
+        filter(sample_.id);
+        filter(sample_.object);
+        filter(sample_.radius);
+        for (auto& [name, values] : sample_.property) filter(values);
+    }
+
+    void take_out(std::vector<std::size_t>& places) {
+        std::int64_t count = share_count(static_cast<std::int64_t>(places.size()));
+        places.resize(static_cast<std::size_t>(count));
+        MPI_Bcast(places.data(), static_cast<int>(count * sizeof(std::size_t)), MPI_BYTE, 0, communicator_);
+        erase(places);
+    }
+
+    void come_to_rest() {
+        Relaxation result = relax(sample_, scene_, request_.limits, communicator_);
+        steps_ += result.cost.steps;
+        if (first_) sample_ = std::move(result.sample);
+        sample_.relaxed = true;
+        MPI_Bcast(sample_.position.data(), static_cast<int>(3 * sample_.size()), MPI_DOUBLE, 0, communicator_);
+        last_.periods = result.periods;
+        last_.energy_ratio = result.energy_ratio;
+        last_.force_balance = result.force_balance;
+    }
+
+    void assess(std::int64_t iteration, std::int64_t removed) {
+        together(communicator_, [&] {
+            if (!first_) return;
+            assessment_ = carver_->assess(sample_);
+            CarveRow row = row_of(assessment_, iteration, static_cast<std::int64_t>(sample_.size()), removed);
+            row.periods = last_.periods;
+            row.energy_ratio = last_.energy_ratio;
+            row.force_balance = last_.force_balance;
+            rows_.push_back(row);
+            cli::note(
+                fmt::format("iteration {}: {} particles out, {}, IoU {:.3f}", iteration, removed, how_far(), row.iou));
+            write_text(table_file_, table_of(rows_));
+        });
+        if (!first_) rows_.emplace_back();
+        Checkpoint state;
+        // Places of particles are kept as numbers, by row; the file's own list of particles must not be empty.
+        state.particles = {{1}, {1}, {0}, {0, 0, 0}, {0, 0, 0}, {0}, {}};
+        if (first_) {
+            for (const std::int64_t id : sample_.id) state.numbers["id"].push_back(static_cast<double>(id));
+            for (const Vec3& point : sample_.position)
+                state.numbers["position"].insert(state.numbers["position"].end(), point.data(), point.data() + 3);
+            state.numbers["rows"] = numbers_of(rows_);
+            state.numbers["steps"] = {static_cast<double>(steps_)};
+            state.numbers["density"] = {carver_->density()};
+            state.numbers["image"] = image_;
+        }
+        write_checkpoint(state, inputs_, state_file_, communicator_);
+    }
+
+    void finish() {
+        together(communicator_, [&] {
+            if (!first_) return;
+            if (!request_.pores.empty()) write_text(request_.pores, pore_table(assessment_));
+            output_.reset();
+            write_packing(sample_, request_.carved, provenance_);
+            std::error_code ignored;
+            std::filesystem::remove(state_file_, ignored);
+        });
+        if (!first_) return;
+        std::int64_t open = 0;
+        for (const PoreState& pore : assessment_.pores) open += pore.open;
+        const CarveRow& row = rows_.back();
+        cli::report("particles", static_cast<std::int64_t>(sample_.size()));
+        cli::report("iterations", row.iteration);
+        cli::report("density", carver_->density());
+        cli::report("closed_pores", static_cast<std::int64_t>(assessment_.pores.size()) - open);
+        cli::report("judged_pores", assessment_.judged);
+        cli::report("open_pores", open);
+        cli::report("too_small_pores", carver_->too_small());
+        cli::report("too_small_volume", carver_->too_small_volume(), "mm^3");
+        cli::report("image_volume", assessment_.target, "mm^3");
+        cli::report("pore_volume", assessment_.volume, "mm^3");
+        cli::report("total_error", row.total_error);
+        cli::report("total_error_by_grid", row.grid_error);
+        cli::report("worst_pore_error", row.worst_error);
+        cli::report("intersection_over_union", row.iou);
+        cli::report("surface_distance", row.surface_distance, "mm");
+        cli::report("steps", steps_);
+    }
+
+    const CarveRequest& request_;
+    MPI_Comm communicator_;
+    bool first_ = false;
+    std::filesystem::path state_file_, table_file_;
+    Scene scene_;
+    Packing sample_;
+    Provenance provenance_;
+    Inputs inputs_;
+    std::optional<OutputFile> output_;
+    std::optional<Carver> carver_;  // on the first process
+    Assessment assessment_;         // likewise
+    std::vector<CarveRow> rows_;
+    CarveRow last_;
+    std::int64_t steps_ = 0;
+    double density_ = 0;         ///< from the state
+    std::vector<double> image_;  ///< what its options make of the volume
+};
+
+}  // namespace
+
+void carve(const CarveRequest& request, MPI_Comm communicator) {
+    Carving(request, communicator).run();
+}
+
+}  // namespace tomodem
