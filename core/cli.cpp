@@ -66,6 +66,9 @@ double parse_number(const Argument& argument, const std::string& text) {
         if (argument.unit == Unit::percent && !digits.empty() && digits.back() == '%') digits.pop_back();
         char* end = nullptr;
         value = std::strtod(digits.c_str(), &end);
+        if (argument.unit == Unit::percent && text == digits && value > 0 && value < 1)
+            throw WrongUsage(
+                fmt::format("{} {}: is that {}% or {:g}%? write the % sign", argument.name, text, text, 100 * value));
         if (digits.empty() || *end != '\0' || !std::isfinite(value))
             throw WrongUsage(fmt::format("{} '{}' is not a number", argument.name, text));
     }
@@ -103,6 +106,23 @@ void check_output(const Argument& argument, const std::filesystem::path& path) {
     if (access(folder.c_str(), W_OK) != 0)
         throw InvalidInput(fmt::format("cannot write {} '{}': no permission to write in folder '{}'", argument.name,
                                        path.string(), folder.string()));
+}
+
+/// A result that would take the place of what it is made from is a slip.
+void check_overwriting(const RunningTool& tool, const std::vector<Argument>& arguments,
+                       const std::vector<std::vector<std::string>>& words, const std::string& json) {
+    const auto check = [&](const std::string& name, const std::string& path) {
+        std::error_code ignored;
+        for (const auto& [input, files] : tool.inputs)
+            for (const auto& file : files)
+                if (std::filesystem::equivalent(file, path, ignored))
+                    throw InvalidInput(
+                        fmt::format("{} '{}' is also an input, which would be lost; give it another name", name, path));
+    };
+    for (std::size_t k = 0; k < arguments.size(); ++k)
+        if (arguments[k].kind == Argument::Kind::output && !words[k].empty())
+            check(arguments[k].name, words[k].front());
+    if (!json.empty()) check("--json", json);
 }
 
 void store(const Argument& argument, const std::vector<std::string>& words) {
@@ -248,18 +268,20 @@ bool parse(int argc, const char* const* argv, const Usage& usage) {
         for (std::size_t k = 0; k < arguments.size(); ++k)
             if (!words[k].empty() && is_file(arguments[k]) == files) store(arguments[k], words[k]);
 
+    for (std::size_t k = 0; k < arguments.size(); ++k) {
+        if (arguments[k].kind == Argument::Kind::source && !words[k].empty())
+            tool.inputs[words[k].front()] = arguments[k].files(words[k].front());
+        if (arguments[k].kind == Argument::Kind::input || arguments[k].kind == Argument::Kind::inputs)
+            for (const auto& word : words[k]) tool.inputs[word] = {word};
+    }
+    check_overwriting(tool, arguments, words, json_text);
+
     if (!threads_text.empty())
         tool.threads = parse_integer(
             {Argument::Kind::integer, "--threads", "", false, Unit::none, {1, 4096}, {}, "", nullptr}, threads_text);
     if (!json_text.empty()) {
         tool.json = json_text;
         check_output({Argument::Kind::output, "--json", "", false, Unit::none, {}, {}, "", nullptr}, tool.json);
-    }
-    for (std::size_t k = 0; k < arguments.size(); ++k) {
-        if (arguments[k].kind == Argument::Kind::source && !words[k].empty())
-            tool.inputs[words[k].front()] = arguments[k].files(words[k].front());
-        if (arguments[k].kind == Argument::Kind::input || arguments[k].kind == Argument::Kind::inputs)
-            for (const auto& word : words[k]) tool.inputs[word] = {word};
     }
     return true;
 }

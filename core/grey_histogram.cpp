@@ -109,6 +109,7 @@ GreyHistogram grey_histogram(GreySlabs& slabs) {
     } else {
         struct Extent {
             double low = std::numeric_limits<double>::infinity(), high = -low;
+            bool whole = true;
         };
         std::vector<Extent> extents(size[2]);
         for_each_slice(slabs, "grey range", [&](std::int64_t k, const auto* values, std::int64_t count) {
@@ -118,16 +119,23 @@ GreyHistogram grey_histogram(GreySlabs& slabs) {
                 if (!std::isfinite(value)) continue;
                 extent.low = std::min(extent.low, value);
                 extent.high = std::max(extent.high, value);
+                extent.whole = extent.whole && value == std::floor(value);
             }
         });
         Extent all;
-        for (const Extent& extent : extents) all = {std::min(all.low, extent.low), std::max(all.high, extent.high)};
+        for (const Extent& extent : extents)
+            all = {std::min(all.low, extent.low), std::max(all.high, extent.high), all.whole && extent.whole};
         if (!(all.low <= all.high)) throw InvalidInput("the volume has no grey value that is a number");
         constexpr std::size_t bins = 4096;
-        histogram.whole = false;
+        constexpr double most_whole = 65536;
         histogram.low = all.low;
-        histogram.width = all.high > all.low ? (all.high - all.low) / bins : 1.0;
-        histogram.counts.resize(bins);
+        histogram.whole = all.whole && all.high - all.low < most_whole;
+        if (histogram.whole) {
+            histogram.counts.resize(static_cast<std::size_t>(all.high - all.low) + 1);
+        } else {
+            histogram.width = all.high > all.low ? (all.high - all.low) / bins : 1.0;
+            histogram.counts.resize(bins);
+        }
     }
     struct Counted {
         std::vector<std::int64_t> counts;

@@ -44,7 +44,8 @@ struct GreyHistogram {
     }
 };
 
-/// Integers of 8 and 16 bits are counted one by one, others in 4096 bins from the smallest to the largest.
+/// Integers of 8 and 16 bits, and other whole numbers of that range, are counted one by one, others in 4096 bins from
+/// the smallest to the largest.
 /// @throws InvalidInput if there is no number in it
 /// @note   passes over the file once, or twice for other values
 GreyHistogram grey_histogram(GreySlabs& slabs);

@@ -59,7 +59,8 @@ cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request) {
                 "the image is grey: find 1 or 2 thresholds by Otsu's method (grey_histogram shows them)")
         .option("--relabel", request.relabel, "labels to rename on reading, as 255=1,2=0")
         .option("--raw-size", request.raw_size, "the file is raw voxels, x fastest: their numbers, as 200x200x100")
-        .option("--raw-type", request.raw_type, "of raw voxels: uint8, int8, uint16 ... int64, float32, float64")
+        .option("--raw-type", request.raw_type,
+                "of raw voxels: uint8, int8, uint16 ... int64, float32, float64 (or u8, i8, u16 ... f64)")
         .choice("--raw-byte-order", request.raw_byte_order, {"little", "big"}, "of raw voxels")
         .option("--raw-offset", request.raw_offset, cli::Unit::none, cli::not_negative,
                 "bytes before the first raw voxel")
@@ -185,7 +186,8 @@ std::vector<double> parse_thresholds(const std::string& flag, const std::string&
 }
 
 VoxelIndex parse_size(const std::string& flag, const std::string& text) {
-    const std::string expected = "a number of voxels, as 100, or three, as 100x100x150";
+    const std::string expected = flag == "--bin" ? "a number of voxels, as 2, or three, as 2x2x1"
+                                                 : "a number of voxels, as 100, or three, as 100x100x150";
     const auto parts = split(text, 'x');
     if (parts.size() != 1 && parts.size() != 3) refuse(flag, text, expected);
     VoxelIndex size;

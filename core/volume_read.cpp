@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <atomic>
@@ -125,10 +124,10 @@ Vec3 spacing_of(const std::string& spec, const VolumeHeader& header, const Volum
     for (int axis = 0; axis < 3; ++axis)
         if (given[axis] > 0 && std::abs(spacing[axis] / given[axis] - 1) > rounding)
             throw InvalidInput(
-                fmt::format("volume '{}' says that its voxels are {:g} x {:g} x {:g} mm{}, but {:g} mm are "
+                fmt::format("volume '{}' says that its voxels are {:g} x {:g} x {:g} um{}, but {:g} um are "
                             "given for {}; leave the option out, or correct one of them",
-                            spec, spacing[0], spacing[1], spacing[2],
-                            header.spacing_has_unit ? "" : " at the given size in x", given[axis], "xyz"[axis]));
+                            spec, 1e3 * spacing[0], 1e3 * spacing[1], 1e3 * spacing[2],
+                            header.spacing_has_unit ? "" : " at the given size in x", 1e3 * given[axis], "xyz"[axis]));
     return spacing;
 }
 
@@ -157,12 +156,26 @@ void vote(const std::vector<std::int32_t>& stored, std::int64_t width, std::int3
     });
 }
 
+void report_image(const VolumeHeader& header, const Vec3* spacing) {
+    std::string text = fmt::format("{} slices of {} x {} voxels, {}, {}", header.size[2], header.size[0],
+                                   header.size[1], name_of(header.type), header.format);
+    if (spacing)
+        text += fmt::format("; voxels of {:g} x {:g} x {:g} um, {}", 1e3 * (*spacing)[0], 1e3 * (*spacing)[1],
+                            1e3 * (*spacing)[2],
+                            !header.spacing           ? "as given"
+                            : header.spacing_has_unit ? "from the file"
+                                                      : "in the file's proportions");
+    cli::report("image", text);
+}
+
 }  // namespace
 
 GreyHistogram read_grey_histogram(const std::string& spec, const VolumeOptions& options) {
     const auto source = open_volume(spec, options.raw);
     GreySlabs slabs(*source, region_of(spec, source->header().size, options), options.bin);
-    return grey_histogram(slabs);
+    const GreyHistogram histogram = grey_histogram(slabs);
+    report_image(source->header(), nullptr);
+    return histogram;
 }
 
 LabelVolume read_label_volume(const std::string& spec, const VolumeOptions& options) {
@@ -174,7 +187,7 @@ LabelVolume read_label_volume(const std::string& spec, const VolumeOptions& opti
     const bool grey = !options.thresholds.empty() || options.otsu_levels > 0;
     if (is_float(header.type) && !grey)
         throw InvalidInput(
-            fmt::format("cannot read volume '{}': it holds floating-point grey values; give a threshold, "
+            fmt::format("cannot read volume '{}': it holds floating-point grey values; give --threshold or "
                         "voxels above it become label 1",
                         spec));
 
@@ -183,7 +196,8 @@ LabelVolume read_label_volume(const std::string& spec, const VolumeOptions& opti
     std::vector<double> thresholds = options.thresholds;
     if (options.otsu_levels > 0) {
         thresholds = otsu_thresholds(grey_histogram(slabs), options.otsu_levels);
-        cli::report("otsu_threshold", fmt::format("{}", fmt::join(thresholds, ", ")));
+        for (std::size_t i = 0; i < thresholds.size(); ++i)
+            cli::report(fmt::format("otsu_threshold_{}", i + 1), thresholds[i]);
     }
 
     const Vec3 bin(options.bin[0], options.bin[1], options.bin[2]);
@@ -221,11 +235,7 @@ LabelVolume read_label_volume(const std::string& spec, const VolumeOptions& opti
         volume.set_slices(k, count, labels);
         progress.update(k + count);
     }
-    cli::report("image",
-                fmt::format("{} slices of {} x {} voxels, {}, {}; voxels of {:g} x {:g} x {:g} um, {}", header.size[2],
-                            header.size[0], header.size[1], name_of(header.type), header.format,
-                            1e3 * stored_spacing[0], 1e3 * stored_spacing[1], 1e3 * stored_spacing[2],
-                            header.spacing && header.spacing_has_unit ? "from the file" : "as given"));
+    report_image(header, &stored_spacing);
     if (labeller.not_a_number() > 0)
         cli::warn(fmt::format("{} voxels of '{}' are not a number; they count as below the threshold",
                               labeller.not_a_number(), spec));

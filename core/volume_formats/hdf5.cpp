@@ -1,5 +1,7 @@
 #include "core/hdf5_file.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "core/volume_formats/formats.hpp"
@@ -80,9 +82,10 @@ std::string find_dataset(const fs::path& path, hid_t file) {
     constexpr const char* dxchange = "/exchange/data";
     if (has_object(file, dxchange) && is_volume(file, dxchange)) return dxchange;
     if (const std::string found = nexus_default(file); !found.empty()) return found;
+    if (has_object(file, "/h5md")) cannot_read(path, "it is a packing or a run (H5MD), not a volume");
     std::vector<std::string> names = volumes_of(file);
     if (names.size() == 1) return names.front();
-    if (names.empty()) cannot_read(path, "it has no dataset of three dimensions");
+    if (names.empty()) cannot_read(path, "it has no dataset of three dimensions (z, y, x) of numbers");
     const std::size_t count = names.size();
     names.resize(std::min<std::size_t>(count, 8));
     cannot_read(path,
@@ -209,7 +212,7 @@ class Hdf5Source : public VolumeSource {
         if (!has_object(file_, name_)) {
             const auto names = volumes_of(file_);
             cannot_read(path_, fmt::format("it has no dataset '{}'{}", name_,
-                                           names.empty() ? "" : fmt::format(" (there is {})", names.front())));
+                                           names.empty() ? "" : fmt::format(" (there is {})", fmt::join(names, ", "))));
         }
         // A layer of chunks stays in memory: without that, each is unpacked again for every slab that it reaches into.
         Hdf5Handle first(H5Dopen2(file_, name_.c_str(), H5P_DEFAULT), H5Dclose, failure_);

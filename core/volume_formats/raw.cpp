@@ -204,11 +204,15 @@ Source open_raw(VolumeHeader header, RawVoxels where) {
         for (const auto& path : where.files) {
             const std::int64_t found = file_bytes(path);
             if (found < wanted || (found > wanted && !where.may_be_longer))
-                cannot_read(path,
-                            fmt::format("it has {} bytes, but {} x {} x {} voxels of {} are {}; it is cut, or its "
-                                        "size or type is another",
-                                        found, header.size[0], header.size[1], header.size[2] / files,
-                                        name_of(header.type), wanted));
+                cannot_read(
+                    path,
+                    fmt::format("it has {} bytes, but {} x {} x {} voxels of {} take {}{}; {}", found, header.size[0],
+                                header.size[1], header.size[2] / files, name_of(header.type), wanted,
+                                where.offset > 0 ? fmt::format(", {} before them included", where.offset) : "",
+                                found < wanted ? "it is cut, or its size or type is another"
+                                               : fmt::format("its size or type is another, or {} bytes stand "
+                                                             "before the voxels (raw: --raw-offset)",
+                                                             where.offset + found - wanted)));
         }
         source = std::make_unique<RawSource>(std::move(header), where);
     }

@@ -68,11 +68,13 @@ class Carving {
             int done = 0;
             together(communicator_, [&] {
                 if (!first_) return;
-                done = carver_->is_done(assessment_);
+                done = request_.max_iterations == 0 || carver_->is_done(assessment_);
                 if (done) return;
                 if (iteration > request_.max_iterations)
-                    throw InvalidInput(fmt::format("the pores are not as large as the image's after {} iterations: {}",
-                                                   request_.max_iterations, how_far()));
+                    throw InvalidInput(
+                        fmt::format("the pores are not as large as the image's after {} iterations: {}; "
+                                    "--resume with more --max-iterations goes on",
+                                    request_.max_iterations, how_far()));
                 removal = carver_->next_removal(sample_, assessment_, iteration == 1);
                 if (removal.empty())
                     throw InvalidInput(fmt::format(
@@ -139,8 +141,13 @@ class Carving {
             assess(0, 0);
         }
         if (!first_) return;
+        if (assessment_.judged == 0)
+            cli::warn(
+                fmt::format("no closed pore is {:g} particles across or more: none is judged by itself, only their "
+                            "total is",
+                            request_.carve.judged_across));
         const double empty = carver_->empty_share(assessment_);
-        if (!go_on && empty > 0.5)
+        if (!go_on && empty > 0.5 && request_.max_iterations > 0)
             cli::warn(
                 fmt::format("the sample is masked already: {:.0f} % of the pores' volume has no particles; they can "
                             "only grow from there, a dense sample (vol2pack --relabel 0=1) is the better start",

@@ -1,4 +1,8 @@
 // relax: let a free sample come to rest under its law.
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "core/cli.hpp"
 #include "core/packing_file.hpp"
 #include "solver_plugin/mpi_tool.hpp"
@@ -27,6 +31,33 @@ cli::Usage usage(Request& request) {
         .example("relax sample.h5 scene.toml relaxed.h5");
 }
 
+Vec3 extent_of(const Packing& packing) {
+    Vec3 low = packing.position.front(), high = low;
+    for (const Vec3& point : packing.position) {
+        low = low.cwiseMin(point);
+        high = high.cwiseMax(point);
+    }
+    return high - low;
+}
+
+/// A structure of thin parts may draw together while it comes to rest.
+void report_extent(const Packing& before, const Packing& after) {
+    const Vec3 old_extent = extent_of(before), extent = extent_of(after);
+    double volume = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        cli::report(fmt::format("extent_{}", "xyz"[axis]), extent[axis], "mm");
+        if (old_extent[axis] > 0) volume *= extent[axis] / old_extent[axis];
+    }
+    cli::report("box_volume_change", 100 * (volume - 1), "%");
+    // Faces draw in by a good part of a particle; from D = 0.70 a sample of BILIN grows by 8 %.
+    const double across = std::cbrt(static_cast<double>(before.size()));
+    if (volume - 1 < -0.05 - 0.5 / across || volume - 1 > 0.15)
+        cli::warn(
+            fmt::format("the sample changed its box by {:+.3g} % in volume: its parts may be too thin to keep their "
+                        "shape, or its density far from that of its law",
+                        100 * (volume - 1)));
+}
+
 void run(const Request& request) {
     const Scene scene = read_scene(request.scene);
     const Packing sample = read_sample(request.sample);
@@ -35,7 +66,10 @@ void run(const Request& request) {
     const Relaxation result = relax(sample, scene, request.limits, MPI_COMM_WORLD);
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    if (rank == 0) write_packing(result.sample, request.relaxed, provenance);
+    if (rank == 0) {  // where the sample is complete
+        write_packing(result.sample, request.relaxed, provenance);
+        report_extent(sample, result.sample);
+    }
     cli::report("particles", static_cast<std::int64_t>(sample.size()));
     cli::report("steps", result.cost.steps);
     cli::report("at_rest", static_cast<std::int64_t>(result.at_rest));

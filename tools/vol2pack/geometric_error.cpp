@@ -395,6 +395,12 @@ void report_geometric_error(const GeometricError& error) {
             cli::report("surface_error_" + key, 100 * label.surface_error(), "%");
         }
         if (std::isfinite(label.thinnest)) cli::report("thinnest_feature_" + key, label.thinnest, "particles");
+        constexpr double holds_its_shape = 2.5;
+        if (label.label != 0 && label.thinnest < holds_its_shape)
+            cli::warn(
+                fmt::format("label {} has parts {:.2g} particles thick, which will not keep their shape (2 to 3 are "
+                            "needed); use fewer --pixels-per-seed",
+                            label.label, label.thinnest));
         if (!error.components_counted) continue;
         cli::report("components_" + key, label.components.components);
         cli::report("components_lost_" + key, label.components.lost);

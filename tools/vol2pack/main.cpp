@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/cli.hpp"
+#include "core/error.hpp"
 #include "core/packing_file.hpp"
 #include "core/volume_cli.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
@@ -142,6 +143,12 @@ void run(const Request& request) {
     clock.done("reading");
     const Histogram image = species_histogram(volume, label_objects);
     const auto object_labels = labels_with_objects(request, image);
+    constexpr std::size_t most_labels = 16;
+    if (image.size() > most_labels && request.labels.empty() && request.objects.empty() && label_objects.empty())
+        throw InvalidInput(
+            fmt::format("the image has {} labels: if it is grey give --threshold or --otsu, if its labels are "
+                        "grains --label-objects, else name them by --labels",
+                        image.size()));
     check_labels(image, names, object_labels);
     remove_small(volume, request);
     const auto regions = tell_regions_apart(volume, object_labels, label_objects, connectivity_of(request),

@@ -45,13 +45,14 @@ std::vector<ResolutionStep> choose_resolution(const LabelVolume& volume, const P
             const Tiling tiling(brick, step.pixels_per_seed * options.pixel, box, seed, options.max_particles * 2);
             const auto held = label_places(volume, tiling, nullptr, options.filter, options.threads).count();
             step.error = std::max(step.error, largest_volume_error(voxels, held));
-            if (step.error > 1.5 * options.max_error) break;  // the rest cannot mend it
         }
         steps.push_back(step);
         if (step.error <= options.max_error) return steps;
         if (k == 0)
-            give_up(fmt::format("even a radius of 1 voxel has {:.3g} % (a label of few voxels? see --min-component)",
-                                100 * step.error));
+            give_up(
+                fmt::format("even a radius of 1 voxel has {:.3g} % (parts of two or three voxels? --filter nearest "
+                            "keeps them; a label of few voxels? see --min-component)",
+                            100 * step.error));
     }
     return steps;
 }
@@ -70,7 +71,7 @@ void report_resolution(const std::vector<ResolutionStep>& steps, double max_erro
                     chosen.pixels_per_seed, 100 * chosen.error, 100 * max_error);
     if (steps.size() > 1) {
         const ResolutionStep& coarser = steps[steps.size() - 2];
-        why += fmt::format("; at {:.3g} it is {:.3g} % or more", coarser.pixels_per_seed, 100 * coarser.error);
+        why += fmt::format("; at {:.3g} it is {:.3g} %", coarser.pixels_per_seed, 100 * coarser.error);
     } else {
         why += "; coarser ones have too few particles to tell";
     }

@@ -40,7 +40,9 @@ void run(const Request& request) {
     constexpr std::size_t most_labels = 16;
     if (histogram.size() > most_labels) {
         cli::report("label_count", static_cast<std::int64_t>(histogram.size()));
-        cli::warn("more than 16 labels: is this a grey image? give --threshold or --otsu; nothing more is counted");
+        cli::warn(
+            "more than 16 labels: if it is a grey image give --threshold or --otsu (a label image of grains: vol2pack "
+            "--label-objects); nothing more is counted");
         return;
     }
 

@@ -54,7 +54,7 @@ PYTHON
     volume_info grey.mhd --voxel-size 2um --otsu 1 > otsu.txt
     volume_info grey.mhd --voxel-size 2um --threshold "$(sed -n 's/^threshold_1: //p' found.txt)" > given.txt
     cmp <(grep voxels_label otsu.txt) <(grep voxels_label given.txt)
-    grep -q "voxels of 2 x 2 x 4 um, as given" otsu.txt
+    grep -q "voxels of 2 x 2 x 4 um, in the file's proportions" otsu.txt
 }
 
 @test "the picture shows the curve and a red line at each threshold" {

@@ -123,7 +123,7 @@ assert (one["position/value"][()] == two["position/value"][()]).all()'
 @test "an image without a pore, of another scale, of another place, or too coarse is refused" {
     refused 1 "the volume has no pore" \
         carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --relabel 0=1 --quiet
-    refused 1 "says that its voxels are 0.01 x 0.01 x 0.01 mm" \
+    refused 1 "says that its voxels are 10 x 10 x 10 um" \
         carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 24um --quiet
     refused 1 "the volume and the sample do not lie over each other" \
         carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --roi 0:72,0:72,0:40 --quiet

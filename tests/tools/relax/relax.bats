@@ -1,3 +1,4 @@
+bats_require_minimum_version 1.5.0
 # relax: when it ends, and what is left when it is stopped.
 
 load common
@@ -68,4 +69,33 @@ END
     relax brick.h5 trilin.toml relaxed.h5 --json trilin.json --quiet
     grep -q '"at_rest": 1' norton.json
     grep -q '"at_rest": 1' trilin.json
+}
+
+@test "relax says how much the sample changed, and warns where its parts are too thin to keep their shape" {
+    packgen brick.h5 --particles 2000 --density 0.70 --quiet
+    make_scene scene.toml
+    relax brick.h5 scene.toml rest.h5 --json rest.json --quiet
+    /usr/bin/python3 -c "import json; r = json.load(open('rest.json')); assert 5 < r['box_volume_change'] < 12, r"
+    /usr/bin/python3 - <<'PYTHON'
+import shutil
+import h5py
+import numpy as np
+shutil.copy("brick.h5", "thin.h5")
+with h5py.File("thin.h5", "a") as file:
+    # A thin cross of struts is what is left of the brick.
+    everything = file["particles/all"]
+    position = everything["position/value"][0]
+    edges = everything["box/edges"][:]
+    near = np.abs(position / edges - 0.5) < 0.06
+    keep = near.sum(axis=1) >= 2
+    for name in ("species", "id"):
+        values = everything[name][:][keep]
+        del everything[name]
+        everything[name] = values
+    del everything["position/value"]
+    everything["position/value"] = position[keep][None]
+    everything["box"].attrs["boundary"] = [b"none"] * 3
+PYTHON
+    run -0 --separate-stderr relax thin.h5 scene.toml collapsed.h5
+    [[ "$stderr" == *"the sample changed its box by -"*"too thin to keep their shape"* ]]
 }

@@ -154,7 +154,7 @@ PYTHON
 @test "refuses a voxel size that nobody gives, another than the file's, and one that is none" {
     printf 'NDims = 3\nDimSize = 1 1 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\nabc' > unknown.mha
     refused 1 "give it with --voxel-size" vol2pack brick.h5 unknown.mha out.h5 --pixels-per-seed 2
-    refused 1 "says that its voxels are 0.01 x 0.01 x 0.01 mm, but 0.003 mm are given" \
+    refused 1 "says that its voxels are 10 x 10 x 10 um, but 3 um are given" \
         vol2pack brick.h5 composite.tif out.h5 --voxel-size 3um --pixels-per-seed 2
     refused 2 "--voxel-size" vol2pack brick.h5 composite.tif out.h5 --voxel-size 0um --pixels-per-seed 2
     refused 2 "--voxel-size" vol2pack brick.h5 composite.tif out.h5 --voxel-size=-3um --pixels-per-seed 2

@@ -97,6 +97,36 @@ TEST(CommandLine, FailureIsOneLineAndStatusOne) {
     EXPECT_EQ(failed.err, "try: broken; mend it\n");
 }
 
+TEST(CommandLine, AnInputIsNotOverwritten) {
+    const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("cli-" + std::to_string(getpid()));
+    std::filesystem::create_directory(folder);
+    const std::string scan = folder / "scan.h5", other = folder / "." / "scan.h5";
+    std::ofstream(scan) << "precious";
+    for (const auto& words : {std::vector<std::string>{scan, scan}, {scan, other}, {scan, "x.h5", "--json", scan}}) {
+        const Outcome outcome = call(words);
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_THAT(outcome.err, HasSubstr("is also an input, which would be lost"));
+    }
+    std::filesystem::remove_all(folder);
+}
+
+TEST(CommandLine, APercentageBelowOneWantsItsSign) {
+    double share = 0;
+    const auto parse = [&](const char* text) {
+        const char* words[] = {"try", "--share", text};
+        CaptureStderr();
+        const int status =
+            run_tool(3, words, Usage("try", "").option("--share", share, Unit::percent, {0, 100}, ""), [] {});
+        return std::pair(status, GetCapturedStderr());
+    };
+    EXPECT_EQ(parse("0.5%").first, 0);
+    EXPECT_DOUBLE_EQ(share, 0.5);
+    EXPECT_EQ(parse("5").first, 0);
+    const auto [status, error] = parse("0.1");
+    EXPECT_EQ(status, 2);
+    EXPECT_THAT(error, HasSubstr("is that 0.1% or 10%?"));
+}
+
 TEST(CommandLine, HelpNamesUnitsRangesDefaultsAndAnExample) {
     const Outcome outcome = call({"--help"});
     EXPECT_EQ(outcome.status, 0);

@@ -308,9 +308,8 @@ TEST_F(Formats, RefuseAnotherVoxelSizeThanTheirs) {
     const auto made = all();
     VolumeOptions options;
     options.voxel_size = Vec3(3e-3, 3e-3, 0);
-    EXPECT_THAT(
-        [&] { read_label_volume(made.at("NRRD, gzip").spec, options); },
-        ThrowsMessage<InvalidInput>(HasSubstr("voxels are 0.0024 x 0.0024 x 0.0024 mm, but 0.003 mm are given")));
+    EXPECT_THAT([&] { read_label_volume(made.at("NRRD, gzip").spec, options); },
+                ThrowsMessage<InvalidInput>(HasSubstr("voxels are 2.4 x 2.4 x 2.4 um, but 3 um are given")));
     options.voxel_size = Vec3(2.4e-3, 2.4e-3, 5e-3);
     EXPECT_THAT([&] { read_label_volume(made.at("MetaImage in one file").spec, options); },
                 ThrowsMessage<InvalidInput>(HasSubstr("given for z")))
@@ -341,7 +340,7 @@ TEST_F(Formats, WithMoreOrFewerVoxelsThanTheyAnnounceAreRefused) {
     options.voxel_size = Vec3::Ones();
     options.thresholds = {0.5};
     EXPECT_THAT([&] { read_label_volume(folder / "a.vol", options); },
-                ThrowsMessage<InvalidInput>(HasSubstr("it has 36 bytes, but 2 x 2 x 2 voxels of float32 are 32")));
+                ThrowsMessage<InvalidInput>(HasSubstr("it has 36 bytes, but 2 x 2 x 2 voxels of float32 take 32")));
 }
 
 TEST_F(Formats, OfSeveralDatasetsAskWhichIsMeant) {

@@ -173,7 +173,7 @@ TEST_F(Tiff, OfFloatsIsThresholded) {
     options.thresholds = {0.5};
     EXPECT_THAT(all_voxels(read_label_volume(path, options)), ElementsAre(0, 0, 1, 0));
     EXPECT_THAT([&] { read_label_volume(path, unit_voxels()); },
-                ThrowsMessage<InvalidInput>(AllOf(HasSubstr("grey.tif"), HasSubstr("give a threshold"))));
+                ThrowsMessage<InvalidInput>(AllOf(HasSubstr("grey.tif"), HasSubstr("give --threshold or --otsu"))));
 }
 
 TEST_F(Tiff, OfDoublesAndIntegersIsThresholded) {
