@@ -60,6 +60,29 @@ void write_ply(const TriangleMesh& mesh, const fs::path& path) {
     out.commit();
 }
 
+void write_obj(const TriangleMesh& mesh, const std::vector<TriangleNumber>& numbers, const fs::path& path) {
+    BinaryOutput out(path);
+    out.text("# tomodem, lengths in mm\n");
+    for (const Vec3& v : mesh.vertices) out.text(fmt::format("v {} {} {}\n", v.x(), v.y(), v.z()));
+    std::vector<std::size_t> order(mesh.triangles.size());
+    std::iota(order.begin(), order.end(), 0);
+    const bool grouped = !numbers.empty();
+    if (grouped)
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+            return numbers.front().values[i] < numbers.front().values[j];
+        });
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        if (grouped) {
+            const auto& [name, values] = numbers.front();
+            if (k == 0 || values[order[k]] != values[order[k - 1]])
+                out.text(fmt::format("g {}_{}\n", name, values[order[k]]));
+        }
+        const auto& [a, b, c] = mesh.triangles[order[k]];
+        out.text(fmt::format("f {} {} {}\n", a + 1, b + 1, c + 1));
+    }
+    out.commit();
+}
+
 /// The bytes of a file, taken from the front; errors name the file.
 class Bytes {
  public:
@@ -230,13 +253,19 @@ TriangleMesh read_ply(Bytes& bytes) {
 
 }  // namespace
 
-void write_mesh(const TriangleMesh& mesh, const fs::path& path) {
+void write_mesh(const TriangleMesh& mesh, const fs::path& path, const std::vector<TriangleNumber>& numbers) {
     const std::string extension = extension_of(path);
     if (extension == ".stl") return write_stl(mesh, path);
     if (extension == ".ply") return write_ply(mesh, path);
-    if (extension == ".vtp") return write_vtp(path, mesh.vertices, mesh.triangles);
+    if (extension == ".obj") return write_obj(mesh, numbers, path);
+    if (extension == ".vtp") {
+        std::vector<PointArray> arrays;
+        for (const TriangleNumber& number : numbers)
+            arrays.push_back({number.name, std::span<const std::int32_t>(number.values)});
+        return write_vtp(path, mesh.vertices, mesh.triangles, {}, arrays);
+    }
     throw InvalidInput(
-        fmt::format("cannot write the mesh '{}': the name must end in .stl, .ply or .vtp", path.string()));
+        fmt::format("cannot write the mesh '{}': the name must end in .stl, .ply, .vtp or .obj", path.string()));
 }
 
 TriangleMesh read_mesh(const fs::path& path) {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/binary_output.hpp"
+#include "core/output_file.hpp"
 
 namespace tomodem {
 namespace {
@@ -33,6 +34,20 @@ class Appended {
     std::uint64_t offset_ = 0;
 };
 
+std::string xml_escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text)
+        if (c == '&')
+            out += "&amp;";
+        else if (c == '<')
+            out += "&lt;";
+        else if (c == '"')
+            out += "&quot;";
+        else
+            out += c;
+    return out;
+}
+
 std::string tag_of(Appended& appended, const PointArray& array) {
     return std::visit(
         [&](const auto& values) {
@@ -46,7 +61,8 @@ std::string tag_of(Appended& appended, const PointArray& array) {
 }  // namespace
 
 void write_vtp(const std::filesystem::path& path, std::span<const Vec3> points,
-               std::span<const std::array<std::int32_t, 3>> triangles, const std::vector<PointArray>& arrays) {
+               std::span<const std::array<std::int32_t, 3>> triangles, const std::vector<PointArray>& arrays,
+               const std::vector<PointArray>& on_triangles) {
     const bool surface = !triangles.empty();
     const std::size_t cells = surface ? triangles.size() : points.size();
     const std::int32_t corners = surface ? 3 : 1;
@@ -70,7 +86,10 @@ void write_vtp(const std::filesystem::path& path, std::span<const Vec3> points,
         "NumberOfPolys=\"{}\">\n<PointData>\n",
         points.size(), surface ? 0 : cells, surface ? cells : 0);
     for (const PointArray& array : arrays) head += tag_of(appended, array);
-    head += "</PointData>\n<Points>\n";
+    head += "</PointData>\n<CellData>\n";
+    if (surface)
+        for (const PointArray& array : on_triangles) head += tag_of(appended, array);
+    head += "</CellData>\n<Points>\n";
     head += appended.tag("Points", "Float64", coordinates, 3);
     const char* kind = surface ? "Polys" : "Verts";
     head += fmt::format("</Points>\n<{}>\n", kind);
@@ -83,6 +102,17 @@ void write_vtp(const std::filesystem::path& path, std::span<const Vec3> points,
     appended.write(out);
     out.text("\n</AppendedData>\n</VTKFile>\n");
     out.commit();
+}
+
+void write_pvd(const std::filesystem::path& path,
+               const std::vector<std::pair<double, std::filesystem::path>>& file_at_time) {
+    std::string text =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+        "<Collection>\n";
+    for (const auto& [time, file] : file_at_time)
+        text += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", time,
+                            xml_escaped(file.filename().string()));
+    write_text(path, text + "</Collection>\n</VTKFile>\n");
 }
 
 }  // namespace tomodem

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -11,7 +12,7 @@
 
 namespace tomodem {
 
-/// One value a point, under the name that ParaView shows.
+/// One value a point (or triangle), under the name that ParaView shows.
 struct PointArray {
     std::string name;
     std::variant<std::span<const double>, std::span<const std::int32_t>, std::span<const std::int64_t>> values;
@@ -23,9 +24,15 @@ struct PointArray {
 /// @param points     mm
 /// @param triangles  indices into points; may be empty
 /// @param arrays     each as long as points
+/// @param on_triangles  each as long as triangles; none where there are no triangles
 /// @throws InvalidInput if the file cannot be written
 /// @see   The VTK User's Guide, 11th ed. (2010), section 19.3 (XML file formats)
 void write_vtp(const std::filesystem::path& path, std::span<const Vec3> points,
-               std::span<const std::array<std::int32_t, 3>> triangles = {}, const std::vector<PointArray>& arrays = {});
+               std::span<const std::array<std::int32_t, 3>> triangles = {}, const std::vector<PointArray>& arrays = {},
+               const std::vector<PointArray>& on_triangles = {});
+
+/// Writes a ParaView collection (.pvd) of files beside it, each at its time [s].
+void write_pvd(const std::filesystem::path& path,
+               const std::vector<std::pair<double, std::filesystem::path>>& file_at_time);
 
 }  // namespace tomodem

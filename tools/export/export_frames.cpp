@@ -28,20 +28,6 @@ void write_vtp_frame(const RunReader& run, std::size_t index, const fs::path& pa
     write_vtp(path, frame.position, {}, arrays);
 }
 
-std::string xml_escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text)
-        if (c == '&')
-            out += "&amp;";
-        else if (c == '<')
-            out += "&lt;";
-        else if (c == '"')
-            out += "&quot;";
-        else
-            out += c;
-    return out;
-}
-
 }  // namespace
 
 std::vector<std::size_t> chosen_frames(std::string_view choice, std::size_t frame_count) {
@@ -103,19 +89,16 @@ std::vector<fs::path> export_vtp(const RunReader& run, const std::vector<std::si
         std::vector<fs::path> written;
     } series;
     std::vector<fs::path>& written = series.written;
-    std::string index =
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-        "<Collection>\n";
+    std::vector<std::pair<double, fs::path>> at_time;
     for (const std::size_t frame : frames) {
         const fs::path path = output.parent_path() / fmt::format("{}_{:04}.vtp", output.stem().string(), frame);
         write_vtp_frame(run, frame, path);
-        index += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", run.frame_time(frame),
-                             xml_escaped(path.filename().string()));
+        at_time.emplace_back(run.frame_time(frame), path);
         written.push_back(path);
         if (done) done(written.size());
     }
     const fs::path index_path = fs::path(output).replace_extension(".pvd");
-    write_text(index_path, index + "</Collection>\n</VTKFile>\n");
+    write_pvd(index_path, at_time);
     written.push_back(index_path);
     return std::exchange(written, {});
 }

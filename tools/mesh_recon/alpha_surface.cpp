@@ -7,7 +7,10 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Exact_rational.h>
 #include <CGAL/Simple_cartesian.h>
+#include <CGAL/Spatial_sort_traits_adapter_3.h>
 #include <CGAL/Triangulation_cell_base_with_info_3.h>
+#include <CGAL/Triangulation_vertex_base_with_info_3.h>
+#include <CGAL/property_map.h>
 #include <CGAL/spatial_sort.h>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -15,25 +18,36 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <tuple>
 #include <utility>
 
 #include "core/error.hpp"
+#include "tools/mesh_recon/envelope.hpp"
 
 namespace tomodem {
 namespace {
 
 struct CellInfo {
-    std::int32_t component = -1;    // -1: empty
-    std::int32_t first_facet = -1;  // number of the cell's first surface facet; its others follow
+    std::int32_t component = -1;  // -1: empty
+    // Filled: number of the cell's first surface facet, its others follow. Empty: number of the void part.
+    std::int32_t first_facet = -1;
+};
+
+struct VertexInfo {
+    std::int32_t centre = -1;
+    bool at_void = false;    // not all tetrahedra around it are filled
+    std::int32_t depth = 0;  // edges to the nearest point at a void, at most deepest
 };
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using CellBase =
     CGAL::Triangulation_cell_base_with_info_3<CellInfo, Kernel, CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
-using Structure = CGAL::Triangulation_data_structure_3<CGAL::Triangulation_vertex_base_3<Kernel>, CellBase>;
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<VertexInfo, Kernel>;
+using Structure = CGAL::Triangulation_data_structure_3<VertexBase, CellBase>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, Structure>;
 using Cell = Delaunay::Cell_handle;
 using Vertex = Delaunay::Vertex_handle;
@@ -84,15 +98,21 @@ bool circumradius_at_most(Cell cell, double radius) {
 }
 
 Delaunay triangulate(std::span<const Vec3> centres, const std::function<void(double)>& progress) {
-    std::vector<Point> points;
+    using Numbered = std::pair<Point, std::int32_t>;
+    std::vector<Numbered> points;
     points.reserve(centres.size());
-    for (const Vec3& centre : centres) points.emplace_back(centre.x(), centre.y(), centre.z());
+    for (const Vec3& centre : centres)
+        points.emplace_back(Point(centre.x(), centre.y(), centre.z()), std::int32_t(points.size()));
     // What the range insertion of CGAL does, with a progress report in the loop.
-    CGAL::spatial_sort(points.begin(), points.end(), Kernel());
+    CGAL::spatial_sort(points.begin(), points.end(),
+                       CGAL::Spatial_sort_traits_adapter_3<Kernel, CGAL::First_of_pair_property_map<Numbered>>());
     Delaunay delaunay;
     Cell hint;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        hint = delaunay.insert(points[i], hint)->cell();
+        const Vertex vertex = delaunay.insert(points[i].first, hint);
+        std::int32_t& centre = vertex->info().centre;
+        centre = centre < 0 ? points[i].second : std::min(centre, points[i].second);
+        hint = vertex->cell();
         if (progress && i % 4096 == 0) progress(double(i) / double(points.size()));
     }
     return delaunay;
@@ -127,6 +147,23 @@ std::vector<double> fill(Delaunay& delaunay, double probe_radius) {
     }
     return volumes;
 }
+
+class DisjointSets {
+ public:
+    explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+    std::size_t size() const { return parent_.size(); }
+    std::int32_t root(std::int32_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    void join(std::int32_t i, std::int32_t j) {
+        i = root(i), j = root(j);
+        parent_[std::max(i, j)] = std::min(i, j);
+    }
+
+ private:
+    std::vector<std::int32_t> parent_;
+};
 
 /// A facet between a filled cell and an empty one: opposite to vertex `opposite` of the filled cell.
 struct Facet {
@@ -170,22 +207,6 @@ std::int32_t facet_across(const Facet& facet, int k) {
     }
 }
 
-class DisjointSets {
- public:
-    explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-    std::int32_t root(std::int32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(std::int32_t i, std::int32_t j) {
-        i = root(i), j = root(j);
-        parent_[std::max(i, j)] = std::min(i, j);
-    }
-
- private:
-    std::vector<std::int32_t> parent_;
-};
-
 /// Half-edge h = 3 f + k runs from corner k to corner k + 1 of facet f; across[h] is the half-edge that runs back.
 std::vector<std::int32_t> opposite_half_edges(const std::vector<Facet>& facets) {
     std::vector<std::int32_t> across(3 * facets.size());
@@ -224,7 +245,8 @@ TriangleMesh joined_by_fans(const std::vector<Facet>& facets, const std::vector<
 
 /// Different edges may still join the same two vertices, when a sheet touches itself along an edge; each of them gets a
 /// vertex of its own in its middle.
-void separate_parallel_edges(TriangleMesh& mesh, const std::vector<std::int32_t>& across) {
+/// @return  the facet of each triangle that this adds
+std::vector<std::int32_t> separate_parallel_edges(TriangleMesh& mesh, const std::vector<std::int32_t>& across) {
     struct Edge {
         std::int32_t low, high, half_edge;
         auto ends() const { return std::pair(low, high); }
@@ -256,6 +278,7 @@ void separate_parallel_edges(TriangleMesh& mesh, const std::vector<std::int32_t>
     std::sort(touched.begin(), touched.end());
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
 
+    std::vector<std::int32_t> added;
     for (const std::int32_t f : touched) {
         std::vector<std::int32_t> outline;
         for (int k = 0; k < 3; ++k) {
@@ -269,11 +292,239 @@ void separate_parallel_edges(TriangleMesh& mesh, const std::vector<std::int32_t>
         std::rotate(outline.begin(), first_middle, outline.end());
         for (std::size_t i = 1; i + 1 < outline.size(); ++i) {
             const std::array<std::int32_t, 3> part{outline[0], outline[i], outline[i + 1]};
-            if (i == 1)
+            if (i == 1) {
                 mesh.triangles[f] = part;
-            else
+            } else {
                 mesh.triangles.push_back(part);
+                added.push_back(f);
+            }
         }
+    }
+    return added;
+}
+
+/// Void parts: empty cells connected through facets or edges. The solid is connected through facets alone, so neither
+/// passes where the other does, and each shell of the mesh is the outside of one part of the solid or of one void.
+struct Voids {
+    DisjointSets sets{1};
+    bool outside(std::int32_t part) { return sets.root(part) == sets.root(0); }
+};
+
+std::int32_t void_beyond(const Facet& facet) {
+    return facet.cell->neighbor(facet.opposite)->info().first_facet;
+}
+
+Voids number_voids(Delaunay& delaunay, const std::vector<Facet>& facets, const std::vector<std::int32_t>& across) {
+    std::int32_t count = 1;  // 0 is the outside
+    for (Cell cell : delaunay.all_cell_handles())
+        if (!filled(cell)) cell->info().first_facet = delaunay.is_infinite(cell) ? 0 : count++;
+    Voids voids{DisjointSets(count)};
+    for (Cell cell : delaunay.all_cell_handles()) {
+        if (filled(cell)) continue;
+        for (int i = 0; i < 4; ++i) {
+            cell->vertex(i)->info().at_void = true;
+            const Cell next = cell->neighbor(i);
+            if (!filled(next)) voids.sets.join(cell->info().first_facet, next->info().first_facet);
+        }
+    }
+    // The empty cells around an edge lie between wedges of filled ones.
+    for (std::size_t h = 0; h < across.size(); ++h)
+        voids.sets.join(void_beyond(facets[h / 3]), void_beyond(facets[across[h] / 3]));
+    return voids;
+}
+
+/// Old number of each new place, by falling volume (the first of equals stays first).
+std::vector<std::int32_t> order_by_volume(const std::vector<Body>& bodies) {
+    std::vector<std::int32_t> order(bodies.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::int32_t a, std::int32_t b) { return bodies[a].volume > bodies[b].volume; });
+    return order;
+}
+
+std::vector<std::int32_t> inverse(const std::vector<std::int32_t>& order) {
+    std::vector<std::int32_t> place(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = std::int32_t(i);
+    return place;
+}
+
+Vec3 middle(Cell cell) {
+    Vec3 sum = Vec3::Zero();
+    for (int i = 0; i < 4; ++i) sum += vector(cell->vertex(i)->point());
+    return sum / 4.0;
+}
+
+/// Volume that particles within the matter have: a quarter of each tetrahedron around them.
+struct Share {
+    double volume = 0.0;
+    std::int64_t particles = 0;
+};
+
+/// The particles next to those at a void are chosen by having small tetrahedra around them, which makes their share too
+/// small; with every layer that is left out the bias falls.
+constexpr std::int32_t deepest = 4;
+using Shares = std::array<Share, deepest + 1>;  // of the particles of at least that depth
+
+/// Fewer particles than this say too little of a body.
+constexpr std::int64_t least_inside = 50;
+/// Share of the particles inside that a layer must leave, or the next one is most of what is left.
+constexpr double least_left = 0.3;
+
+/// Mean volume of a particle, as deep inside as there are enough particles; 0 if there are not.
+double inside_volume(const Shares& shares) {
+    const double least = std::max(double(least_inside), least_left * double(shares[1].particles));
+    for (std::int32_t depth = deepest; depth > 0; --depth)
+        if (double(shares[depth].particles) >= least) return shares[depth].volume / double(shares[depth].particles);
+    return 0.0;
+}
+
+void set_depths(Delaunay& delaunay) {
+    for (Vertex vertex : delaunay.finite_vertex_handles()) vertex->info().depth = vertex->info().at_void ? 0 : deepest;
+    for (std::int32_t depth = 1; depth < deepest; ++depth)
+        for (Cell cell : delaunay.finite_cell_handles()) {
+            if (!filled(cell)) continue;
+            bool next = false;
+            for (int i = 0; i < 4; ++i) next |= cell->vertex(i)->info().depth == depth - 1;
+            if (!next) continue;
+            for (int i = 0; i < 4; ++i) {
+                std::int32_t& own = cell->vertex(i)->info().depth;
+                own = std::min(own, depth);
+            }
+        }
+}
+
+/// Centres of no filled tetrahedron stick out of a surface: each goes to the body of the nearest centre that has one,
+/// if that is within the probe radius.
+void add_touching(const Delaunay& delaunay, double probe_radius, std::vector<std::int32_t>& body_of_centre) {
+    std::vector<std::pair<std::int32_t, std::int32_t>> found;
+    std::vector<Vertex> neighbours;
+    for (Vertex vertex : delaunay.finite_vertex_handles()) {
+        const std::int32_t centre = vertex->info().centre;
+        if (body_of_centre[centre] >= 0) continue;
+        neighbours.clear();
+        delaunay.finite_adjacent_vertices(vertex, std::back_inserter(neighbours));
+        std::pair<double, std::int32_t> nearest{probe_radius, -1};
+        for (Vertex other : neighbours) {
+            const std::int32_t body = body_of_centre[other->info().centre];
+            const double distance = (vector(other->point()) - vector(vertex->point())).norm();
+            if (body >= 0 && distance <= nearest.first) nearest = {distance, body};
+        }
+        if (nearest.second >= 0) found.emplace_back(centre, nearest.second);
+    }
+    for (const auto& [centre, body] : found) body_of_centre[centre] = body;
+}
+
+void measure_bodies(Delaunay& delaunay, const std::vector<double>& volumes, double probe_radius,
+                    AlphaSurface& surface) {
+    std::vector<Body> bodies(volumes.size());
+    for (std::size_t i = 0; i < volumes.size(); ++i) bodies[i].volume = volumes[i];
+    const std::vector<std::int32_t> order = order_by_volume(bodies), place = inverse(order);
+    for (const std::int32_t old : order) surface.bodies.push_back(bodies[old]);
+
+    set_depths(delaunay);
+    std::vector<Shares> shares(volumes.size());
+    for (Cell cell : delaunay.finite_cell_handles()) {
+        if (!filled(cell)) continue;
+        const std::int32_t number = cell->info().component = place[cell->info().component];
+        const double size = volume(cell);
+        surface.bodies[number].centre += size * middle(cell);
+        for (int i = 0; i < 4; ++i) {
+            const VertexInfo& info = cell->vertex(i)->info();
+            for (std::int32_t d = 1; d <= info.depth; ++d) shares[number][d].volume += size / 4.0;
+            std::int32_t& body = surface.body_of_centre[info.centre];
+            if (body < 0 || number < body) body = number;
+        }
+    }
+    add_touching(delaunay, probe_radius, surface.body_of_centre);
+    for (Vertex vertex : delaunay.finite_vertex_handles()) {
+        const std::int32_t body = surface.body_of_centre[vertex->info().centre];
+        if (body < 0) continue;
+        ++surface.bodies[body].particles;
+        for (std::int32_t d = 1; d <= vertex->info().depth; ++d) ++shares[body][d].particles;
+    }
+    Shares all;
+    for (const Shares& own : shares)
+        for (std::int32_t d = 1; d <= deepest; ++d) {
+            all[d].volume += own[d].volume;
+            all[d].particles += own[d].particles;
+        }
+    surface.inside_volume = inside_volume(all);
+    for (std::size_t i = 0; i < surface.bodies.size(); ++i) {
+        Body& body = surface.bodies[i];
+        body.centre /= body.volume;
+        // A small body is better off with the mean over all.
+        const double own = shares[i][2].particles >= least_inside ? inside_volume(shares[i]) : 0.0;
+        const double each = own > 0.0 ? own : surface.inside_volume;
+        if (each > 0.0) body.corrected_volume = double(body.particles) * each;
+    }
+}
+
+/// @return  the pore of each void part; -1: outside
+std::vector<std::int32_t> measure_pores(Delaunay& delaunay, Voids& voids, AlphaSurface& surface) {
+    std::vector<std::int32_t> pore_of_part(voids.sets.size(), -1);
+    std::vector<Body> pores;
+    std::vector<std::vector<std::int32_t>> centres;
+    for (Cell cell : delaunay.finite_cell_handles()) {
+        if (filled(cell) || voids.outside(cell->info().first_facet)) continue;
+        std::int32_t& pore = pore_of_part[voids.sets.root(cell->info().first_facet)];
+        if (pore < 0) {
+            pore = std::int32_t(pores.size());
+            pores.emplace_back();
+            centres.emplace_back();
+        }
+        const double size = volume(cell);
+        pores[pore].volume += size;
+        pores[pore].centre += size * middle(cell);
+        for (int i = 0; i < 4; ++i) centres[pore].push_back(cell->vertex(i)->info().centre);
+    }
+    const std::vector<std::int32_t> order = order_by_volume(pores), place = inverse(order);
+    for (const std::int32_t old : order) {
+        Body& pore = surface.pores.emplace_back(pores[old]);
+        std::vector<std::int32_t>& around = surface.centres_of_pore.emplace_back(std::move(centres[old]));
+        std::sort(around.begin(), around.end());
+        around.erase(std::unique(around.begin(), around.end()), around.end());
+        pore.particles = std::int64_t(around.size());
+        pore.centre /= pore.volume;
+    }
+    for (std::int32_t& pore : pore_of_part)
+        if (pore >= 0) pore = place[pore];
+    for (std::size_t part = 0; part < pore_of_part.size(); ++part)
+        pore_of_part[part] = pore_of_part[voids.sets.root(std::int32_t(part))];
+    return pore_of_part;
+}
+
+/// Shells, genus and area of every body and pore, from the mesh before its parallel edges are separated.
+void measure_shells(const std::vector<Facet>& facets, const std::vector<std::int32_t>& across, AlphaSurface& surface) {
+    DisjointSets shells(facets.size());
+    for (std::size_t h = 0; h < across.size(); ++h) shells.join(std::int32_t(h / 3), across[h] / 3);
+    struct Count {
+        std::int64_t vertices = 0, triangles = 0;
+    };
+    std::vector<Count> counts(facets.size());
+    std::vector<bool> seen(surface.mesh.vertices.size(), false);
+    const auto add = [&](std::size_t f, const auto& change) {
+        change(surface.bodies[surface.body_of_triangle[f]]);
+        if (surface.pore_of_triangle[f] >= 0) change(surface.pores[surface.pore_of_triangle[f]]);
+    };
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+        const auto& [a, b, c] = surface.mesh.triangles[f];
+        const Vec3 origin = surface.mesh.vertices[a];
+        const double area = (surface.mesh.vertices[b] - origin).cross(surface.mesh.vertices[c] - origin).norm() / 2.0;
+        add(f, [&](Body& body) { body.area += area; });
+        Count& count = counts[shells.root(std::int32_t(f))];
+        ++count.triangles;
+        for (const std::int32_t v : {a, b, c}) {
+            count.vertices += !seen[v];
+            seen[v] = true;
+        }
+    }
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+        if (counts[f].triangles == 0) continue;
+        const std::int64_t euler = counts[f].vertices - counts[f].triangles / 2;
+        add(f, [&](Body& body) {
+            ++body.shells;
+            body.genus += 1 - euler / 2;
+        });
     }
 }
 
@@ -293,22 +544,124 @@ AlphaSurface alpha_surface(std::span<const Vec3> centres, const AlphaSurfaceOpti
         throw InvalidInput(
             fmt::format("the {} particle centres lie in one plane and enclose no volume", centres.size()));
 
-    AlphaSurface surface;
-    surface.components = fill(delaunay, options.probe_radius);
-    if (surface.components.empty())
+    const std::vector<double> volumes = fill(delaunay, options.probe_radius);
+    if (volumes.empty())
         throw InvalidInput(fmt::format(
             "a ball of {} mm passes between all {} particle centres: nothing is enclosed; give a larger probe radius",
             options.probe_radius, centres.size()));
-    std::sort(surface.components.begin(), surface.components.end(), std::greater<>());
-    surface.volume = std::accumulate(surface.components.rbegin(), surface.components.rend(), 0.0);
 
+    AlphaSurface surface;
+    surface.body_of_centre.assign(centres.size(), -1);
     const std::vector<Facet> facets = surface_facets(delaunay);
     const std::vector<std::int32_t> across = opposite_half_edges(facets);
+    Voids voids = number_voids(delaunay, facets, across);
+    measure_bodies(delaunay, volumes, options.probe_radius, surface);
+    const std::vector<std::int32_t> pore_of_part = measure_pores(delaunay, voids, surface);
+    for (const Body& body : surface.bodies) surface.components.push_back(body.volume);
+    surface.volume = std::accumulate(surface.components.rbegin(), surface.components.rend(), 0.0);
+    surface.outside.assign(centres.size(), false);
+    for (Cell cell : delaunay.all_cell_handles())
+        if (!filled(cell) && voids.outside(cell->info().first_facet))
+            for (int i = 0; i < 4; ++i)
+                if (const std::int32_t centre = cell->vertex(i)->info().centre; centre >= 0)
+                    surface.outside[centre] = true;
+    for (const Facet& facet : facets) {
+        surface.body_of_triangle.push_back(facet.cell->info().component);
+        surface.pore_of_triangle.push_back(pore_of_part[void_beyond(facet)]);
+    }
     surface.mesh = joined_by_fans(facets, across);
-    separate_parallel_edges(surface.mesh, across);
+    measure_shells(facets, across, surface);
+    for (const std::int32_t facet : separate_parallel_edges(surface.mesh, across)) {
+        surface.body_of_triangle.push_back(surface.body_of_triangle[facet]);
+        surface.pore_of_triangle.push_back(surface.pore_of_triangle[facet]);
+    }
     surface.area = surface.mesh.area();
+    if (options.seed_radius > 0.0 && surface.inside_volume > 0.0) {
+        const double sphere = 4.0 / 3.0 * std::numbers::pi * std::pow(options.seed_radius, 3);
+        for (Body& pore : surface.pores) {
+            const double width = 3.0 * pore.volume / (pore.area * options.seed_radius);
+            const double bias = envelope_bias({options.seed_radius, sphere / surface.inside_volume}, width);
+            pore.corrected_volume = std::max(0.0, pore.volume - bias * pore.area);
+        }
+    }
     if (options.progress) options.progress(1.0);
     return surface;
+}
+
+namespace {
+
+/// Triangles whose number is not negative.
+SurfacePart part_of(const TriangleMesh& mesh, const std::vector<std::int32_t>& number, bool turned) {
+    SurfacePart part;
+    std::vector<std::int32_t> renumbered(mesh.vertices.size(), -1);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (number[t] < 0) continue;
+        std::array<std::int32_t, 3> triangle = mesh.triangles[t];
+        if (turned) std::swap(triangle[1], triangle[2]);
+        for (std::int32_t& v : triangle) {
+            if (renumbered[v] < 0) {
+                renumbered[v] = std::int32_t(part.mesh.vertices.size());
+                part.mesh.vertices.push_back(mesh.vertices[v]);
+            }
+            v = renumbered[v];
+        }
+        part.mesh.triangles.push_back(triangle);
+        part.number.push_back(number[t]);
+    }
+    return part;
+}
+
+}  // namespace
+
+SurfacePart body_surface(const AlphaSurface& surface) {
+    return {surface.mesh, surface.body_of_triangle};
+}
+
+SurfacePart pore_surface(const AlphaSurface& surface) {
+    return part_of(surface.mesh, surface.pore_of_triangle, true);
+}
+
+void correct_envelope(SurfacePart& part, const std::vector<Body>& bodies) {
+    std::vector<Vec3>& vertices = part.mesh.vertices;
+    std::vector<Vec3> normal(vertices.size(), Vec3::Zero());
+    std::vector<std::int32_t> body(vertices.size(), 0);
+    for (std::size_t t = 0; t < part.mesh.triangles.size(); ++t) {
+        const auto& [a, b, c] = part.mesh.triangles[t];
+        const Vec3 across = (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]);
+        for (const std::int32_t v : {a, b, c}) normal[v] += across, body[v] = part.number[t];
+    }
+    for (Vec3& n : normal) n.normalize();
+    // The volume is a cubic in the distance moved: det(p + n x) of every triangle.
+    std::vector<std::array<double, 4>> cubic(bodies.size(), {0, 0, 0, 0});
+    for (std::size_t t = 0; t < part.mesh.triangles.size(); ++t) {
+        const auto& [a, b, c] = part.mesh.triangles[t];
+        const Vec3 origin = bodies[part.number[t]].centre;
+        const Vec3 p = vertices[a] - origin, q = vertices[b] - origin, r = vertices[c] - origin;
+        const Vec3 &u = normal[a], &v = normal[b], &w = normal[c];
+        std::array<double, 4>& terms = cubic[part.number[t]];
+        terms[0] += p.dot(q.cross(r)) / 6.0;
+        terms[1] += (u.dot(q.cross(r)) + p.dot(v.cross(r)) + p.dot(q.cross(w))) / 6.0;
+        terms[2] += (u.dot(v.cross(r)) + u.dot(q.cross(w)) + p.dot(v.cross(w))) / 6.0;
+        terms[3] += u.dot(v.cross(w)) / 6.0;
+    }
+    std::vector<double> distance(bodies.size(), 0.0);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const double wanted = bodies[i].corrected_volume;
+        if (std::isnan(wanted)) continue;
+        const auto& [k0, k1, k2, k3] = cubic[i];
+        double x = 0.0;
+        for (int turn = 0; turn < 50; ++turn) {
+            const double slope = k1 + x * (2.0 * k2 + 3.0 * k3 * x);
+            if (!(slope > 0.0)) break;
+            const double step = (wanted - (k0 + x * (k1 + x * (k2 + x * k3)))) / slope;
+            x += step;
+            if (std::abs(step) < 1e-14 * std::cbrt(bodies[i].volume)) {
+                distance[i] = x;
+                break;
+            }
+        }
+    }
+    for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v] += distance[body[v]] * normal[v];
 }
 
 }  // namespace tomodem

@@ -1,5 +1,7 @@
 #pragma once
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -13,6 +15,24 @@ struct AlphaSurfaceOptions {
         0.0;  ///< mm, more than 0: what a ball of this radius between the centres cannot enter is filled
     /// Called now and then with the fraction done, 0 to 1, from the calling thread.
     std::function<void(double)> progress = {};
+    /// mm; of equal particles, for the corrected volumes; 0: those of the pores are not known.
+    double seed_radius = 0.0;
+};
+
+/// A part of the solid (filled tetrahedra connected through facets), or a pore (empty ones connected through facets or
+/// edges, from which no such way leads out).
+struct Body {
+    double volume = 0.0;         ///< mm^3, of its tetrahedra
+    double area = 0.0;           ///< mm^2, of all its surfaces
+    Vec3 centre = Vec3::Zero();  ///< mm, of its volume
+    std::int64_t particles = 0;  ///< centres in or touching it, each in one part only; of a pore: around it
+    std::int64_t shells = 0;     ///< closed surfaces: the outer one and one around each hole (pore: each island)
+    std::int64_t genus = 0;      ///< of all its surfaces together: the number of handles, b1
+    /// Volume up to where the material ends (docs/measures.md); not a number where it cannot be told.
+    double corrected_volume = std::numeric_limits<double>::quiet_NaN();
+
+    /// Of its surfaces, 2 (shells - genus); that of the body itself is half of it.
+    std::int64_t euler_characteristic() const { return 2 * (shells - genus); }
 };
 
 /// Alpha shape of a set of points: its surface and its measures.
@@ -21,6 +41,16 @@ struct AlphaSurface {
     double volume = 0.0;             ///< mm^3, sum of the filled tetrahedra
     double area = 0.0;               ///< mm^2, voids inside included
     std::vector<double> components;  ///< volume [mm^3] of each part connected through facets, largest first
+
+    std::vector<Body> bodies;  ///< the parts, largest first
+    std::vector<Body> pores;   ///< largest first
+    std::vector<std::int32_t> body_of_triangle;
+    std::vector<std::int32_t> pore_of_triangle;  ///< the pore beyond it; -1: the outside
+    std::vector<std::int32_t>
+        body_of_centre;  ///< the largest part that it belongs to or touches; -1: none, or a duplicate
+    std::vector<std::vector<std::int32_t>> centres_of_pore;  ///< around each pore, increasing
+    double inside_volume = 0.0;  ///< mm^3 a particle that lies within the matter, mean; 0: none does
+    std::vector<bool> outside;   ///< is the centre at the void outside?
 };
 
 /// Probe radius that fills the gaps of a dense packing and enters every void that a particle could stand in: one
@@ -50,5 +80,18 @@ inline double default_probe_radius(double seed_radius) {
 /// @note   O(N log N) time for a packing; about 600 bytes a particle
 /// @see    Edelsbrunner & Muecke, Three-dimensional alpha shapes, ACM Trans. Graph. 13 (1994) 43
 AlphaSurface alpha_surface(std::span<const Vec3> centres, const AlphaSurfaceOptions& options);
+
+/// The surfaces of some parts or pores alone, their points numbered anew.
+struct SurfacePart {
+    TriangleMesh mesh;
+    std::vector<std::int32_t> number;  ///< of each triangle: its body or pore, from 0
+};
+SurfacePart body_surface(const AlphaSurface& surface);
+/// Oriented out of the pores, so that their volume is positive.
+SurfacePart pore_surface(const AlphaSurface& surface);
+
+/// Moves every point of a surface along its normal, each body by one distance, until the volume it encloses is the
+/// corrected one. Bodies without a corrected volume stay. Narrow dents may cross themselves.
+void correct_envelope(SurfacePart& part, const std::vector<Body>& bodies);
 
 }  // namespace tomodem

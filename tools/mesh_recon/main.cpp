@@ -1,64 +1,197 @@
-// mesh_recon: wrap the particle centres of a sample, a phase or an object in a closed triangle mesh.
+// mesh_recon: wrap the particle centres of a sample, a phase, objects or pores in closed triangle meshes.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/cli.hpp"
 #include "core/mesh.hpp"
 #include "core/packing_file.hpp"
-#include "tools/mesh_recon/alpha_surface.hpp"
-#include "tools/mesh_recon/selection.hpp"
+#include "core/volume_parallel.hpp"
+#include "core/vtp_file.hpp"
+#include "tools/mesh_recon/reconstruction.hpp"
+#include "tools/metrics/table.hpp"
 
 namespace {
 using namespace tomodem;
+namespace fs = std::filesystem;
 
 struct Request {
-    std::filesystem::path packing, mesh;
+    fs::path packing, mesh, table;
     double probe_radius = 0.0;  // mm; 0: one particle diameter
     std::int64_t frame = -1, species = 0, object = 0;
+    std::string frames = "last";
+    bool pores = false, each_object = false, correct_envelope = false;
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage{"mesh_recon", "Wrap the particles of a sample, a phase or an object in a closed triangle mesh."}
+    return cli::Usage{"mesh_recon",
+                      "Wrap the particles of a sample, a phase, objects, or its pores in closed triangle meshes."}
         .input("INPUT", request.packing, "sample or run (.h5)")
-        .output("MESH", request.mesh, "surface to write (.stl, .ply or .vtp)")
+        .output(
+            "MESH", request.mesh,
+            "surface to write (.stl, .ply, .vtp or .obj); all frames: NAME_0000.EXT, ..., and NAME.pvd (.pvd or .vtp)")
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
                 "gaps between centres that a ball of this radius cannot enter are filled; one particle diameter where "
                 "not given")
         .option("--frame", request.frame, cli::Unit::none, {.low = -1},
                 "frame of a run, counted from 0; -1 is the last")
+        .choice("--frames", request.frames, {"first", "last", "all"}, "frames of a run")
         .option("--species", request.species, cli::Unit::none, cli::positive, "only the phase of this label")
         .option("--object", request.object, cli::Unit::none, cli::positive, "only the object of this number")
-        .exclusive({"--species", "--object"})
-        .example("mesh_recon run.h5 inclusions.stl --species 2");
+        .flag("--each-object", request.each_object, "every object on its own, in one mesh")
+        .flag("--pores", request.pores, "the closed pores instead of the solid")
+        .flag("--correct-envelope", request.correct_envelope,
+              "move the surfaces from the outermost centres to where the material ends")
+        .output_option("--bodies", request.table, "measures of each body (or pore), to write (.csv)")
+        .exclusive({"--species", "--object", "--each-object"})
+        .exclusive({"--pores", "--each-object"})
+        .exclusive({"--frame", "--frames"})
+        .example("mesh_recon run.h5 inclusions.stl --species 2")
+        .example("mesh_recon run.h5 pores.pvd --pores --frames all --bodies pores.csv");
+}
+
+Table::Cell number_or_empty(double value) {
+    if (std::isnan(value)) return std::monostate{};
+    return value;
+}
+
+Table table_of(const RunReader& run, const std::vector<std::size_t>& frames, const std::vector<Reconstruction>& results,
+               bool pores) {
+    Table table({"frame [-]", "time [s]", "kind [-]", "body [-]", "object [-]", "particles [-]", "volume [mm^3]",
+                 "volume_corrected [mm^3]", "area [mm^2]", "centre_x [mm]", "centre_y [mm]", "centre_z [mm]",
+                 "shells [-]", "genus [-]", "euler_characteristic [-]"});
+    for (std::size_t k = 0; k < frames.size(); ++k)
+        for (std::size_t i = 0; i < results[k].rows.size(); ++i) {
+            const auto& [object, body] = results[k].rows[i];
+            table.add({std::int64_t(frames[k]), run.frame_time(frames[k]), pores ? "pore" : "solid",
+                       std::int64_t(i + 1), std::int64_t(object), body.particles, body.volume,
+                       number_or_empty(body.corrected_volume), body.area, body.centre.x(), body.centre.y(),
+                       body.centre.z(), body.shells, body.genus, body.euler_characteristic()});
+        }
+    return table;
+}
+
+std::string json_of(const std::vector<std::size_t>& frames, const std::vector<Reconstruction>& results, bool pores) {
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (std::size_t k = 0; k < frames.size(); ++k)
+        for (std::size_t i = 0; i < results[k].rows.size(); ++i) {
+            const auto& [object, body] = results[k].rows[i];
+            nlohmann::ordered_json row{{"frame", frames[k]},
+                                       {"kind", pores ? "pore" : "solid"},
+                                       {"body", i + 1},
+                                       {"object", object},
+                                       {"particles", body.particles},
+                                       {"volume", body.volume},
+                                       {"volume_corrected", body.corrected_volume},
+                                       {"area", body.area},
+                                       {"centre", {body.centre.x(), body.centre.y(), body.centre.z()}},
+                                       {"shells", body.shells},
+                                       {"genus", body.genus},
+                                       {"euler_characteristic", body.euler_characteristic()}};
+            rows.push_back(std::move(row));  // a volume that is not a number becomes null
+        }
+    return rows.dump();
+}
+
+/// Files that go again unless all of them were written.
+struct Series {
+    ~Series() {
+        std::error_code ignored;
+        for (const fs::path& path : written) fs::remove(path, ignored);
+    }
+    std::vector<fs::path> written;
+    std::mutex mutex;
+};
+
+void write(const Reconstruction& result, const fs::path& path) {
+    const TriangleNumber body{"body", result.body_of_triangle}, object{"object", result.object_of_triangle};
+    write_mesh(result.mesh, path, {body, object});
 }
 
 void run(const Request& request) {
-    const Packing packing = read_packing(request.packing, request.frame);
-    Selection selection;
-    if (cli::given("--species")) selection.species = request.species;
-    if (cli::given("--object")) selection.object = request.object;
-    const std::vector<Vec3> centres = selected_centres(packing, selection);
-    const double probe_radius =
+    const RunReader reader(request.packing);
+    std::vector<std::size_t> frames;
+    const auto last = std::int64_t(reader.frame_count()) - 1;
+    const std::int64_t frame = request.frame >= 0 ? request.frame : request.frames == "first" ? 0 : last;
+    if (frame > last)
+        throw InvalidInput(fmt::format("cannot read '{}': there is no frame {}; it has frames 0 to {}",
+                                       request.packing.string(), frame, last));
+    const bool all = request.frames == "all";
+    for (std::int64_t i = all ? 0 : frame; i <= (all ? last : frame); ++i) frames.push_back(std::size_t(i));
+    const bool collection = request.mesh.extension() == ".pvd";
+    if (collection && !all)
+        throw InvalidInput(
+            fmt::format("'{}' is a series: give --frames all, or a name that ends in .vtp", request.mesh.string()));
+
+    const Packing& packing = reader.packing();
+    ReconstructionOptions options;
+    if (cli::given("--species")) options.selection.species = request.species;
+    if (cli::given("--object")) options.selection.object = request.object;
+    options.bodies = request.pores ? Bodies::pores : request.each_object ? Bodies::objects : Bodies::parts;
+    options.envelope = request.correct_envelope ? Envelope::corrected : Envelope::centres;
+    options.probe_radius =
         cli::given("--probe-radius") ? request.probe_radius : default_probe_radius(packing.seed_radius);
 
-    if (probe_radius > 10 * default_probe_radius(packing.seed_radius))
+    cli::Progress progress("alpha shape", double(frames.size()));
+    if (frames.size() == 1) options.progress = [&](double done) { progress.update(done); };
+    std::vector<Reconstruction> results(frames.size());
+    Series series;
+    std::vector<std::pair<double, fs::path>> at_time(frames.size());
+    std::size_t done = 0;
+    parallel_for(std::int64_t(frames.size()), cli::threads(), [&](std::int64_t k) {
+        Packing moved = packing;
+        moved.position = reader.frame(frames[k]).position;
+        Reconstruction& result = results[k];
+        try {
+            result = reconstruct(moved, options);
+        } catch (const InvalidInput& error) {
+            if (!all) throw;
+            throw InvalidInput(fmt::format("frame {}: {}", frames[k], error.what()));
+        }
+        if (!all) return;
+        const std::string extension = collection ? ".vtp" : request.mesh.extension().string();
+        const fs::path path =
+            request.mesh.parent_path() / fmt::format("{}_{:04}{}", request.mesh.stem().string(), frames[k], extension);
+        write(result, path);
+        result.mesh = {};
+        at_time[k] = {reader.frame_time(frames[k]), path};
+        const std::scoped_lock lock(series.mutex);
+        series.written.push_back(path);
+        progress.update(double(++done));
+    });
+    if (!all)
+        write(results.front(), request.mesh);
+    else if (collection || request.mesh.extension() == ".vtp")
+        write_pvd(fs::path(request.mesh).replace_extension(".pvd"), at_time);
+    if (cli::given("--bodies")) table_of(reader, frames, results, request.pores).write(request.table);
+    series.written.clear();
+
+    const Reconstruction& shown = results.back();
+    if (options.probe_radius > 10 * default_probe_radius(packing.seed_radius))
         cli::warn(fmt::format("a probe of {:g} mm is more than ten particle diameters: little but the hull is left",
-                              probe_radius));
-
-    cli::Progress progress("alpha shape", 1.0);
-    const AlphaSurface surface =
-        alpha_surface(centres, {.probe_radius = probe_radius, .progress = [&](double done) { progress.update(done); }});
-    write_mesh(surface.mesh, request.mesh);
-
-    cli::report("particles", std::int64_t(centres.size()));
-    cli::report("probe_radius", probe_radius, "mm");
-    cli::report("volume", surface.volume, "mm^3");
-    cli::report("area", surface.area, "mm^2");
-    cli::report("components", std::int64_t(surface.components.size()));
-    cli::report("largest_component_volume", surface.components.front(), "mm^3");
-    cli::report("triangles", std::int64_t(surface.mesh.triangles.size()));
+                              options.probe_radius));
+    if (request.pores && shown.rows.empty()) cli::warn("there is no closed pore: the mesh is empty");
+    if (shown.objects_left_out > 0)
+        cli::warn(
+            fmt::format("{} objects enclose no volume at this probe radius and are left out", shown.objects_left_out));
+    if (all) cli::report("frames", std::int64_t(frames.size()));
+    cli::report("particles", shown.particles);
+    cli::report("probe_radius", options.probe_radius, "mm");
+    cli::report("volume", shown.volume(), "mm^3");
+    if (!std::isnan(shown.corrected_volume())) cli::report("volume_corrected", shown.corrected_volume(), "mm^3");
+    cli::report("area", shown.area(), "mm^2");
+    cli::report("components", std::int64_t(shown.rows.size()));
+    cli::report("largest_component_volume", shown.largest(), "mm^3");
+    cli::report("shells", shown.shells());
+    cli::report("genus", shown.genus());
+    cli::report("triangles", std::int64_t(shown.body_of_triangle.size()));
+    cli::report_json("bodies", json_of(frames, results, request.pores));
 }
 }  // namespace
 

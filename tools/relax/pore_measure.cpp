@@ -50,10 +50,6 @@ bool fits(Cell cell, double probe_radius) {
 
 }  // namespace
 
-double envelope_bias(const Matter& matter, double across) {
-    return (0.648 - 0.59 * (matter.density - 0.64) - 1.03 / across) * matter.seed_radius;
-}
-
 double grid_bias(const Matter& matter, double across) {
     return (0.823 - 0.71 * (matter.density - 0.64) - 0.45 / across) * matter.seed_radius;
 }

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "core/packing.hpp"
+#include "tools/mesh_recon/envelope.hpp"
 #include "tools/relax/pores.hpp"
 
 /// How large a pore between particles is, measured twice: docs/relaxation.md.
@@ -10,12 +11,6 @@ namespace tomodem {
 
 /// The void of a pore: where a point belongs to it and not to the outside, or to another pore.
 using Belongs = std::function<bool(const Vec3&)>;
-
-/// What the centres belong to.
-struct Matter {
-    double seed_radius;  ///< [mm]
-    double density;      ///< D, between the pores
-};
 
 /// By the alpha shape of the centres around the pore.
 struct PoreMeasure {
@@ -47,10 +42,7 @@ struct PoreOverlap {
 PoreOverlap overlap_pore(std::span<const Vec3> centres, const DistanceField& image, const Belongs& belongs,
                          const Matter& matter, double across);
 
-/// Distance of the envelope's surface from the edge of the material [mm]. Calibrated on random packings out of which a
-/// sphere was cut, where the edge is the sphere: bench/relax/measure.cpp.
-/// @param across  6 volumes over the surface of the envelope, in particles: a sphere's diameter
-double envelope_bias(const Matter& matter, double across);
+/// Distance of the grid's void from the edge of the material [mm], calibrated as envelope_bias().
 /// @param across  diameter of the sphere of the pore's volume, in particles
 double grid_bias(const Matter& matter, double across);
 

@@ -119,9 +119,16 @@ TEST_F(MeshFile, RejectsATriangleOfAVertexThatIsNotThere) {
     EXPECT_THAT([&] { read_mesh(folder / "a.ply"); }, ThrowsMessage<InvalidInput>(HasSubstr("names vertex 4 of 4")));
 }
 
+TEST_F(MeshFile, ObjGroupsItsTrianglesByTheFirstNumber) {
+    write_mesh(corner_tetrahedron(0.5), folder / "a.obj", {{"body", {2, 1, 2, 1}}});
+    EXPECT_EQ(content(folder / "a.obj"),
+              "# tomodem, lengths in mm\nv 0 0 0\nv 0.5 0 0\nv 0 0.5 0\nv 0 0 0.5\n"
+              "g body_1\nf 1 2 4\nf 2 3 4\ng body_2\nf 1 3 2\nf 1 4 3\n");
+}
+
 TEST_F(MeshFile, RejectsAnotherExtension) {
-    EXPECT_THAT([&] { write_mesh(corner_tetrahedron(1.0), folder / "a.obj"); },
-                ThrowsMessage<InvalidInput>(HasSubstr("must end in .stl, .ply or .vtp")));
+    EXPECT_THAT([&] { write_mesh(corner_tetrahedron(1.0), folder / "a.off"); },
+                ThrowsMessage<InvalidInput>(HasSubstr("must end in .stl, .ply, .vtp or .obj")));
     EXPECT_THAT([&] { read_mesh(folder / "a.obj"); },
                 ThrowsMessage<InvalidInput>(HasSubstr("must end in .stl or .ply")));
     EXPECT_THAT(names(), IsEmpty());
@@ -138,7 +145,7 @@ TEST_F(MeshFile, LeavesNothingBehindWhenTheDiskIsFull) {
         big.vertices.insert(big.vertices.end(), one.vertices.begin(), one.vertices.end());
     }
     const FileSizeLimit limit(1000);
-    for (const char* name : {"a.stl", "a.ply", "a.vtp"})
+    for (const char* name : {"a.stl", "a.ply", "a.vtp", "a.obj"})
         EXPECT_THAT([&] { write_mesh(big, folder / name); }, ThrowsMessage<InvalidInput>(HasSubstr("File too large")));
     EXPECT_THAT(names(), IsEmpty());
 }

@@ -223,6 +223,156 @@ TEST(AlphaSurface, DecidesAtTheCircumradiusItselfInAnyScale) {
     EXPECT_EQ(scaled.mesh.triangles.size(), surface.mesh.triangles.size());
 }
 
+AlphaSurface shape_of(const std::vector<Vec3>& points) {
+    return alpha_surface(points, {.probe_radius = 1.0, .progress = {}, .seed_radius = 0.5});
+}
+
+double largest_norm(const Vec3& v) {
+    return v.cwiseAbs().maxCoeff();
+}
+
+TEST(Bodies, ABlockHasOneShellAndNoHandle) {
+    const AlphaSurface surface = shape_of(cubic_lattice(8));
+    ASSERT_EQ(surface.bodies.size(), 1u);
+    EXPECT_EQ(surface.bodies[0].shells, 1);
+    EXPECT_EQ(surface.bodies[0].genus, 0);
+    EXPECT_EQ(surface.bodies[0].euler_characteristic(), 2);
+    EXPECT_EQ(surface.bodies[0].particles, 729);
+    EXPECT_NEAR((surface.bodies[0].centre - Vec3(4, 4, 4)).norm(), 0.0, 1e-12);
+    EXPECT_NEAR(surface.bodies[0].area, surface.area, 1e-9);
+    EXPECT_TRUE(surface.pores.empty());
+}
+
+TEST(Bodies, ABlockWithTwoHolesThroughItHasTwoHandles) {
+    std::vector<Vec3> points = cubic_lattice(20);
+    std::erase_if(points, [](const Vec3& p) {
+        return p.z() > 6.5 || largest_norm(Vec3(p.x() - 5, p.y() - 10, 0)) < 2.5 ||
+               largest_norm(Vec3(p.x() - 14, p.y() - 10, 0)) < 2.5;
+    });
+    const AlphaSurface surface = shape_of(points);
+    ASSERT_EQ(surface.bodies.size(), 1u);
+    EXPECT_EQ(surface.bodies[0].genus, 2);
+    EXPECT_EQ(surface.bodies[0].euler_characteristic(), -2);
+    EXPECT_EQ(euler_characteristic(surface.mesh), -2);
+    EXPECT_TRUE(surface.pores.empty());
+}
+
+TEST(Bodies, AVoidIsAPoreAndAShellMore) {
+    std::vector<Vec3> points = cubic_lattice(10);
+    std::erase_if(points, [](const Vec3& p) { return largest_norm(p - Vec3(5, 5, 5)) < 2.5; });
+    const AlphaSurface surface = shape_of(points);
+    ASSERT_EQ(surface.pores.size(), 1u);
+    EXPECT_EQ(surface.bodies[0].shells, 2);
+    EXPECT_EQ(surface.bodies[0].euler_characteristic(), 4);
+    EXPECT_NEAR(surface.pores[0].volume, 1000.0 - surface.volume, 1e-9);
+    EXPECT_NEAR((surface.pores[0].centre - Vec3(5, 5, 5)).norm(), 0.0, 1e-9);
+    const SurfacePart pore = pore_surface(surface);
+    EXPECT_TRUE(is_closed_manifold(pore.mesh));
+    EXPECT_NEAR(pore.mesh.volume(), surface.pores[0].volume, 1e-9);
+    EXPECT_LT(surface.pores[0].corrected_volume, surface.pores[0].volume);
+}
+
+TEST(Bodies, APartWithinAPoreIsItsIsland) {
+    std::vector<Vec3> points = cubic_lattice(16);
+    std::erase_if(points, [](const Vec3& p) {
+        const double r = largest_norm(p - Vec3(8, 8, 8));
+        return r > 1.5 && r < 5.5;
+    });
+    const AlphaSurface surface = shape_of(points);
+    ASSERT_EQ(surface.bodies.size(), 2u);
+    ASSERT_EQ(surface.pores.size(), 1u);
+    EXPECT_EQ(surface.pores[0].shells, 2);
+    EXPECT_NEAR(surface.bodies[1].volume, 8.0, 1e-9);
+    EXPECT_EQ(surface.bodies[1].particles, 27);
+    EXPECT_NEAR(pore_surface(surface).mesh.volume(), surface.pores[0].volume, 1e-9);
+}
+
+TEST(Bodies, AVoidWithAWayOutIsNoPoreButAHandleWithTwo) {
+    const auto tunnel = [](bool through) {
+        std::vector<Vec3> points = cubic_lattice(14);
+        std::erase_if(points, [&](const Vec3& p) {
+            const bool within = largest_norm(p - Vec3(7, 7, 7)) < 2.5;
+            const bool way = largest_norm(Vec3(p.x() - 7, p.y() - 7, 0)) < 1.5 && (through || p.z() > 7);
+            return within || way;
+        });
+        return shape_of(points);
+    };
+    for (const bool through : {false, true}) {
+        const AlphaSurface surface = tunnel(through);
+        EXPECT_TRUE(surface.pores.empty());
+        ASSERT_EQ(surface.bodies.size(), 1u);
+        EXPECT_EQ(surface.bodies[0].shells, 1);
+        EXPECT_EQ(surface.bodies[0].genus, through ? 1 : 0);
+    }
+}
+
+TEST(Bodies, EveryShellIsTheOutsideOfABodyOrOfAPore) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+        const AlphaSurface surface = alpha_surface(uniform_points(3000, 10.0, seed), {.probe_radius = 0.8});
+        std::int64_t shells = 0;
+        double area = 0.0, pores = 0.0;
+        for (const Body& body : surface.bodies) {
+            shells += body.shells;
+            area += body.area;
+            EXPECT_GE(body.genus, 0);
+        }
+        for (const Body& pore : surface.pores) pores += pore.volume;
+        EXPECT_GT(surface.pores.size(), 0u);
+        EXPECT_EQ(shells, std::int64_t(surface.bodies.size() + surface.pores.size())) << "seed " << seed;
+        EXPECT_NEAR(area, surface.area, 1e-9 * area);
+        const SurfacePart part = pore_surface(surface);
+        EXPECT_TRUE(is_closed_manifold(part.mesh));
+        EXPECT_NEAR(part.mesh.volume(), pores, 1e-9 * pores);
+    }
+}
+
+/// A body-centred lattice of diameter 1, every centre moved at random.
+std::vector<Vec3> shaken_ball(double radius) {
+    const double edge = 2.0 / std::sqrt(3.0);
+    std::mt19937 generator(3);
+    std::normal_distribution<double> shake(0.0, 0.1);
+    const int half = int(std::ceil(radius / edge)) + 1;
+    std::vector<Vec3> points;
+    for (int k = -half; k <= half; ++k)
+        for (int j = -half; j <= half; ++j)
+            for (int i = -half; i <= half; ++i)
+                for (const double shift : {0.0, 0.5}) {
+                    const Vec3 moved(shake(generator), shake(generator), shake(generator));
+                    const Vec3 p = edge * Vec3(i + shift, j + shift, k + shift) + moved;
+                    if (p.norm() < radius) points.push_back(p);
+                }
+    return points;
+}
+
+TEST(CorrectedVolume, OfABallOfTenThousandParticlesIsWithinOnePercent) {
+    const std::vector<Vec3> points = shaken_ball(12.2);
+    EXPECT_NEAR(double(points.size()), 1e4, 200);
+    const double truth = 4.0 / 3.0 * std::numbers::pi * std::pow(12.2, 3);
+    const AlphaSurface surface = shape_of(points);
+    EXPECT_LT(surface.volume, 0.93 * truth);
+    EXPECT_NEAR(surface.bodies[0].corrected_volume, truth, 0.01 * truth);
+}
+
+TEST(CorrectedVolume, IsThatOfTheMovedSurface) {
+    std::vector<Vec3> points = shaken_ball(9.0);
+    std::erase_if(points, [](const Vec3& p) { return p.norm() < 4.0; });
+    const AlphaSurface surface = shape_of(points);
+    ASSERT_EQ(surface.pores.size(), 1u);
+    SurfacePart solid = body_surface(surface), pore = pore_surface(surface);
+    correct_envelope(solid, surface.bodies);
+    correct_envelope(pore, surface.pores);
+    EXPECT_TRUE(is_closed_manifold(solid.mesh));
+    EXPECT_NEAR(solid.mesh.volume(), surface.bodies[0].corrected_volume, 1e-9 * surface.volume);
+    EXPECT_NEAR(pore.mesh.volume(), surface.pores[0].corrected_volume, 1e-9 * surface.volume);
+    const double truth = 4.0 / 3.0 * std::numbers::pi;
+    EXPECT_NEAR(pore.mesh.volume(), truth * 64.0, 0.05 * truth * 64.0) << "8 particles across";
+    EXPECT_NEAR(solid.mesh.volume(), truth * (729.0 - 64.0), 0.02 * truth * 665.0);
+}
+
+TEST(CorrectedVolume, IsNotKnownWhereNoParticleLiesInside) {
+    EXPECT_TRUE(std::isnan(shape_of(cubic_lattice(1)).bodies[0].corrected_volume));
+}
+
 TEST(AlphaSurface, CountsADuplicatedPointOnce) {
     std::vector<Vec3> points = cubic_lattice(3);
     points.insert(points.end(), points.begin(), points.begin() + 10);
