@@ -580,7 +580,9 @@ AlphaSurface alpha_surface(std::span<const Vec3> centres, const AlphaSurfaceOpti
         const double sphere = 4.0 / 3.0 * std::numbers::pi * std::pow(options.seed_radius, 3);
         for (Body& pore : surface.pores) {
             const double width = 3.0 * pore.volume / (pore.area * options.seed_radius);
-            const double bias = envelope_bias({options.seed_radius, sphere / surface.inside_volume}, width);
+            // Not calibrated below four particles across, where it would soon turn negative.
+            const double bias =
+                std::max(0.0, envelope_bias({options.seed_radius, sphere / surface.inside_volume}, width));
             pore.corrected_volume = std::max(0.0, pore.volume - bias * pore.area);
         }
     }

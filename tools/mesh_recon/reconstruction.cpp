@@ -11,20 +11,6 @@
 namespace tomodem {
 namespace {
 
-void require_smaller_probe(const std::vector<Vec3>& centres, double probe_radius) {
-    Vec3 low = centres.front(), high = low;
-    for (const Vec3& centre : centres) {
-        low = low.cwiseMin(centre);
-        high = high.cwiseMax(centre);
-    }
-    const double diagonal = (high - low).norm();
-    if (centres.size() >= 4 && probe_radius > diagonal)
-        throw InvalidInput(fmt::format(
-            "the probe radius {:g} mm is larger than what it is to wrap: the centres of the {} particles lie "
-            "in a box of diagonal {:.4g} mm; give a smaller one",
-            probe_radius, centres.size(), diagonal));
-}
-
 void append(SurfacePart part, const std::vector<Body>& bodies, std::int32_t object,
             const ReconstructionOptions& options, Reconstruction& result) {
     if (options.envelope == Envelope::corrected) correct_envelope(part, bodies);
@@ -67,6 +53,20 @@ void append_objects(const Packing& packing, const ReconstructionOptions& options
 }
 
 }  // namespace
+
+void require_smaller_probe(std::span<const Vec3> centres, double probe_radius) {
+    Vec3 low = centres.front(), high = low;
+    for (const Vec3& centre : centres) {
+        low = low.cwiseMin(centre);
+        high = high.cwiseMax(centre);
+    }
+    const double diagonal = (high - low).norm();
+    if (centres.size() >= 4 && probe_radius > diagonal)
+        throw InvalidInput(fmt::format(
+            "the probe radius {:g} mm is larger than what it is to wrap: the centres of the {} particles lie "
+            "in a box of diagonal {:.4g} mm; give a smaller one",
+            probe_radius, centres.size(), diagonal));
+}
 
 double Reconstruction::volume() const {
     double sum = 0.0;

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "core/packing.hpp"
@@ -48,6 +49,9 @@ struct Reconstruction {
     std::int64_t shells() const;
     std::int64_t genus() const;
 };
+
+/// @throws InvalidInput if the probe radius [mm] is larger than the box that holds all (four or more) centres
+void require_smaller_probe(std::span<const Vec3> centres, double probe_radius);
 
 /// @param packing  its position may be of another frame
 /// @throws InvalidInput as selected_centres and alpha_surface; if the probe is larger than the selection, there are no
