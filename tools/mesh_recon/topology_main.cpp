@@ -65,7 +65,10 @@ Table::Cell number_or_empty(double value) {
 /// Numbers from 1, as mesh_recon --bodies gives them where nothing is too small to be followed.
 std::string numbers(const std::vector<std::int32_t>& list) {
     std::string text;
-    for (const std::int32_t number : list) text += (text.empty() ? "" : "+") + std::to_string(number + 1);
+    for (const std::int32_t number : list) {
+        if (!text.empty()) text += '+';
+        text += std::to_string(number + 1);
+    }
     return text;
 }
 
