@@ -188,7 +188,7 @@ LabelVolume read_label_volume(const std::string& spec, const VolumeOptions& opti
     if (is_float(header.type) && !grey)
         throw InvalidInput(
             fmt::format("cannot read volume '{}': it holds floating-point grey values; give --threshold or "
-                        "voxels above it become label 1",
+                        "--otsu",
                         spec));
 
     GreySlabs slabs(*source, region, options.bin);
