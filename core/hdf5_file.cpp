@@ -165,16 +165,15 @@ void Hdf5Writer::link(const char* existing, hid_t parent, const char* name) {
     hdf5_check(H5Lcreate_hard(file_, existing, parent, name, H5P_DEFAULT, H5P_DEFAULT), failure_);
 }
 
-void Hdf5Writer::frame_view(hid_t parent, const std::string& name, const char* source, hsize_t index, hsize_t frames,
-                            hsize_t rows) {
-    const hsize_t whole[] = {frames, rows, 3};
+void Hdf5Writer::frame_view(hid_t parent, const std::string& name, const std::string& source, hsize_t index,
+                            const hsize_t (&whole)[3]) {
     const hsize_t offset[] = {index, 0, 0};
-    const hsize_t count[] = {1, rows, 3};
+    const hsize_t count[] = {1, whole[1], whole[2]};
     Hdf5Handle slab(H5Screate_simple(3, whole, nullptr), H5Sclose, failure_);
     hdf5_check(H5Sselect_hyperslab(slab, H5S_SELECT_SET, offset, nullptr, count, nullptr), failure_);
     Hdf5Handle view(H5Screate_simple(2, count + 1, nullptr), H5Sclose, failure_);
     const Hdf5Handle creation = untimed(H5P_DATASET_CREATE);
-    hdf5_check(H5Pset_virtual(creation, view, ".", source, slab), failure_);
+    hdf5_check(H5Pset_virtual(creation, view, ".", source.c_str(), slab), failure_);
     Hdf5Handle dataset(H5Dcreate2(parent, name.c_str(), H5T_IEEE_F64LE, view, H5P_DEFAULT, creation, H5P_DEFAULT),
                        H5Dclose, failure_);
 }
@@ -304,6 +303,29 @@ Vec3 Hdf5Reader::vector(const std::string& path) const {
     const auto values = array<double>(path);
     if (values.size() != 3) fail(fmt::format("{} has {} values instead of 3", path, values.size()));
     return {values[0], values[1], values[2]};
+}
+
+std::vector<std::pair<std::string, double>> Hdf5Reader::number_attributes(const std::string& object) const {
+    const Hdf5Handle opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT), H5Oclose, at(object));
+    std::vector<std::pair<std::string, double>> numbers;
+    hdf5_check(H5Aiterate2(
+                   opened, H5_INDEX_NAME, H5_ITER_INC, nullptr,
+                   [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {
+                       static_cast<std::vector<std::pair<std::string, double>>*>(out)->emplace_back(name, 0.0);
+                       return 0;
+                   },
+                   &numbers),
+               at(object));
+    std::erase_if(numbers, [&](auto& entry) {
+        const auto attribute = open_attribute(object, entry.first.c_str());
+        const Hdf5Handle type(H5Aget_type(*attribute), H5Tclose, at(object));
+        const Hdf5Handle space(H5Aget_space(*attribute), H5Sclose, at(object));
+        const H5T_class_t kind = H5Tget_class(type);
+        if ((kind != H5T_FLOAT && kind != H5T_INTEGER) || H5Sget_simple_extent_npoints(space) != 1) return true;
+        hdf5_check(H5Aread(*attribute, H5T_NATIVE_DOUBLE, &entry.second), at(object));
+        return false;
+    });
+    return numbers;
 }
 
 std::vector<std::string> Hdf5Reader::text_attribute(const std::string& object, const char* name) const {

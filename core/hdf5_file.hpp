@@ -98,9 +98,10 @@ class Hdf5Writer {
     }
     /// Another name of an object of this file.
     void link(const char* existing, hid_t parent, const char* name);
-    /// A [rows][3] dataset without data of its own that shows one frame of another dataset of this file.
-    void frame_view(hid_t parent, const std::string& name, const char* source, hsize_t index, hsize_t frames,
-                    hsize_t rows);
+    /// A [rows][columns] dataset without data of its own that shows one frame of another dataset of this file.
+    /// @param whole  frames, rows and columns of that dataset
+    void frame_view(hid_t parent, const std::string& name, const std::string& source, hsize_t index,
+                    const hsize_t (&whole)[3]);
     void close();
 
  private:
@@ -179,6 +180,8 @@ class Hdf5Reader {
         hdf5_check(H5Aread(*attribute, hdf5_native<T>(), &value), at(object));
         return value;
     }
+    /// All attributes of an object that are one number.
+    std::vector<std::pair<std::string, double>> number_attributes(const std::string& object) const;
     /// Empty where there is none.
     std::vector<std::string> text_attribute(const std::string& object, const char* name) const;
     std::vector<std::string> text_dataset(const std::string& path) const;

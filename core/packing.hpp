@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tomodem {
@@ -40,6 +41,13 @@ struct Packing {
     double radius_of(std::size_t particle) const { return radius.empty() ? seed_radius : radius[particle]; }
     /// D: volume of the spheres over that of the box, N pi d^3 / (6 V) for equal ones (method: control numbers).
     double density() const;
+};
+
+/// A quantity that every frame of a run holds of every particle, besides its position: /particles/all/NAME.
+struct ParticleField {
+    std::string name, unit;  ///< an empty unit: a pure number
+    int components = 3;
+    std::vector<std::pair<std::string, double>> attributes{};  ///< of its group
 };
 
 }  // namespace tomodem

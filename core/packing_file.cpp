@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
+#include <stdexcept>
 #include <utility>
 
 #include "core/error.hpp"
@@ -94,6 +96,22 @@ std::map<std::string, Observable> read_observables(const Hdf5Reader& reader) {
     return curves;
 }
 
+std::vector<ParticleField> read_fields(const Hdf5Reader& reader, const Hdf5Shape& positions) {
+    std::vector<ParticleField> fields;
+    for (const std::string& name : reader.members("/particles/all")) {
+        const std::string group = "/particles/all/" + name, value = group + "/value";
+        if (name == "position" || !reader.is_group(group) || !reader.exists(value)) continue;
+        const Hdf5Shape shape = reader.shape(reader.dataset(value), value);
+        if (shape.size() != 3 || shape[0] != positions[0] || shape[1] != positions[1])
+            continue;  // another program's, not a field
+        ParticleField field{name, "", static_cast<int>(shape[2]), reader.number_attributes(group)};
+        const auto unit = reader.text_attribute(value, "unit");
+        if (!unit.empty()) field.unit = unit.front();
+        fields.push_back(std::move(field));
+    }
+    return fields;
+}
+
 }  // namespace
 
 struct RunReader::State {
@@ -103,6 +121,7 @@ struct RunReader::State {
     std::vector<std::int64_t> step;
     std::vector<double> time;
     std::map<std::string, Observable> observables;
+    std::vector<ParticleField> fields;
     Provenance provenance;
 };
 
@@ -144,6 +163,7 @@ RunReader::RunReader(const fs::path& path) {
                                 positions_path, shape[1]));
     packing.position = frame(0).position;
     require_sound_packing(packing, reader.failure());
+    state_->fields = read_fields(reader, shape);
     state_->observables = read_observables(reader);
     state_->provenance = read_provenance(reader);
 }
@@ -172,13 +192,39 @@ const Provenance& RunReader::provenance() const {
     return state_->provenance;
 }
 
-Frame RunReader::frame(std::size_t index) const {
+void RunReader::require_frame(std::size_t index) const {
     if (index >= frame_count())
         state_->reader.fail(fmt::format("there is no frame {}, it has frames 0 to {}", index, frame_count() - 1));
+}
+
+Frame RunReader::frame(std::size_t index) const {
+    require_frame(index);
     const auto lock = hdf5_lock();
     Frame frame{frame_step(index), frame_time(index), vectors(state_->reader.frame(positions_path, index))};
     require_finite(frame.position, fmt::format("{}, frame {}", state_->reader.failure(), index));
     return frame;
+}
+
+const std::vector<ParticleField>& RunReader::fields() const {
+    return state_->fields;
+}
+
+const ParticleField& RunReader::field(const std::string& name) const {
+    std::vector<std::string> known;
+    for (const ParticleField& field : state_->fields) {
+        if (field.name == name) return field;
+        known.push_back(field.name);
+    }
+    state_->reader.fail(fmt::format(
+        "its particles have no '{}', {}", name,
+        known.empty() ? "nor anything else but their positions" : fmt::format("only {}", fmt::join(known, ", "))));
+}
+
+std::vector<double> RunReader::field_values(const std::string& name, std::size_t index) const {
+    const ParticleField& wanted = field(name);
+    require_frame(index);
+    const auto lock = hdf5_lock();
+    return state_->reader.frame("/particles/all/" + wanted.name + "/value", index);
 }
 
 const Observable& RunReader::observable(const std::string& name) const {
@@ -221,6 +267,16 @@ double value_at(const Observable& curve, double time) {
     return std::lerp(curve.value[i - 1], curve.value[i], share);
 }
 
+namespace {
+
+void require_hdf5_name(const fs::path& path) {
+    if (path.extension() == ".xdmf")
+        throw InvalidInput(
+            fmt::format("cannot write '{}': name the HDF5 file (.h5), the .xdmf comes beside it", path.string()));
+}
+
+}  // namespace
+
 struct RunWriter::State {
     State(const Packing& packing, const fs::path& path, const Provenance& provenance)
         : path(path), output(path), packing(packing), provenance(provenance) {}
@@ -235,10 +291,8 @@ struct RunWriter::State {
 };
 
 RunWriter::RunWriter(const Packing& packing, const fs::path& path, const Provenance& provenance) {
-    const std::string failure = fmt::format("cannot write '{}'", path.string());
-    if (path.extension() == ".xdmf")
-        throw InvalidInput(failure + ": name the HDF5 file (.h5), the .xdmf comes beside it");
-    require_sound_packing(packing, failure);
+    require_hdf5_name(path);
+    require_sound_packing(packing, fmt::format("cannot write '{}'", path.string()));
     state_ = std::make_unique<State>(packing, path, provenance);
 }
 
@@ -284,7 +338,63 @@ void RunWriter::commit() {
     // A sidecar never stands beside a file it does not describe: the old one goes first, the new one comes last.
     remove_sidecar(state_->path);
     state_->output.commit();
-    write_sidecar(state_->packing.size(), !state_->packing.object.empty(), times, state_->path);
+    write_sidecar(state_->packing.size(), !state_->packing.object.empty(), times, {}, state_->path);
+}
+
+struct FieldWriter::State {
+    State(const RunReader& run, std::size_t frames, std::vector<ParticleField> fields, const fs::path& path)
+        : path(path),
+          output(path),
+          particles(run.packing().size()),
+          has_objects(!run.packing().object.empty()),
+          frames(frames),
+          fields(std::move(fields)) {}
+    fs::path path;
+    OutputFile output;
+    std::size_t particles;
+    bool has_objects;
+    std::size_t frames;
+    std::vector<ParticleField> fields;
+    std::optional<RunFile> file;
+    std::vector<double> times;
+};
+
+FieldWriter::FieldWriter(const RunReader& run, const std::vector<std::size_t>& frames,
+                         std::vector<ParticleField> fields, const fs::path& path, const Provenance& provenance) {
+    require_hdf5_name(path);
+    state_ = std::make_unique<State>(run, frames.size(), std::move(fields), path);
+    RunShape shape{frames.size(), state_->fields, {}};
+    for (const auto& [name, curve] : run.observables()) shape.curves.push_back({name, curve.unit, curve.value.size()});
+    create_run_file(run.packing(), shape, provenance, state_->output.path(), path);
+    state_->file.emplace(state_->output.path(), path);
+    for (const auto& [name, curve] : run.observables())
+        for (std::size_t i = 0; i < curve.value.size(); ++i)
+            state_->file->write_point(name, i, curve.step[i], curve.time[i], curve.value[i]);
+}
+
+FieldWriter::~FieldWriter() = default;
+
+void FieldWriter::add_frame(const Frame& frame, const std::vector<std::vector<double>>& values) {
+    const std::size_t index = state_->times.size();
+    if (index >= state_->frames || values.size() != state_->fields.size())
+        throw std::logic_error("more frames or fields than announced");
+    state_->file->write_rows(position_field, index, 0, {frame.position.front().data(), 3 * frame.position.size()});
+    for (std::size_t f = 0; f < values.size(); ++f) {
+        if (values[f].size() != state_->particles * static_cast<std::size_t>(state_->fields[f].components))
+            throw std::logic_error("a field of another size than the particles");
+        state_->file->write_rows(state_->fields[f], index, 0, values[f]);
+    }
+    state_->file->mark_frame(index, frame.step, frame.time);
+    state_->times.push_back(frame.time);
+}
+
+void FieldWriter::commit() {
+    if (state_->times.size() != state_->frames) throw std::logic_error("fewer frames than announced");
+    state_->file->close();
+    state_->output.flush();
+    remove_sidecar(state_->path);
+    state_->output.commit();
+    write_sidecar(state_->particles, state_->has_objects, state_->times, state_->fields, state_->path);
 }
 
 void write_packing(const Packing& packing, const fs::path& path, const Provenance& provenance) {

@@ -54,11 +54,38 @@ class RunReader {
     std::int64_t frame_step(std::size_t index) const;
     double frame_time(std::size_t index) const;
     Frame frame(std::size_t index) const;
+    /// Quantities of each particle in each frame, besides the position; by name.
+    const std::vector<ParticleField>& fields() const;
+    /// @throws InvalidInput naming the file, the field, and which there are, if it is not there
+    const ParticleField& field(const std::string& name) const;
+    /// Values of a field in one frame: particles x components, row by row; not a number where the run has none.
+    std::vector<double> field_values(const std::string& name, std::size_t index) const;
     /// All curves under /observables; empty for a sample.
     const std::map<std::string, Observable>& observables() const;
     /// @throws InvalidInput naming the file and the curve if it is not there
     const Observable& observable(const std::string& name) const;
     const Provenance& provenance() const;
+
+ private:
+    void require_frame(std::size_t index) const;
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// Writes what a tool computed of the particles of a run, frame by frame, as a run file of its own: the positions,
+/// labels, objects and curves of the run and the new fields. The file (and its .xdmf) appears at commit().
+class FieldWriter {
+ public:
+    /// @param frames  of the run, increasing
+    FieldWriter(const RunReader& run, const std::vector<std::size_t>& frames, std::vector<ParticleField> fields,
+                const std::filesystem::path& path, const Provenance& provenance);
+    ~FieldWriter();
+    FieldWriter(const FieldWriter&) = delete;
+    FieldWriter& operator=(const FieldWriter&) = delete;
+
+    /// The next of the frames; values as RunReader::field_values gives them, in the order of the fields.
+    void add_frame(const Frame& frame, const std::vector<std::vector<double>>& values);
+    void commit();
 
  private:
     struct State;

@@ -165,8 +165,13 @@ void create_run_file(const Packing& packing, const RunShape& shape, const Proven
     std::vector<std::int32_t> vertex(n);
     std::iota(vertex.begin(), vertex.end(), 0);
     writer.dataset(views, "vertex", {n}, vertex.data());
-    for (std::size_t f = 0; f < shape.frames; ++f)
-        writer.frame_view(views, fmt::format("position_{}", f), "/particles/all/position/value", f, shape.frames, n);
+    std::vector<ParticleField> seen{position_field};
+    seen.insert(seen.end(), shape.fields.begin(), shape.fields.end());
+    for (const ParticleField& field : seen) {
+        const hsize_t whole[] = {shape.frames, n, static_cast<hsize_t>(field.components)};
+        for (std::size_t f = 0; f < shape.frames; ++f)
+            writer.frame_view(views, fmt::format("{}_{}", field.name, f), group_of(field) + "/value", f, whole);
+    }
     writer.close();
 }
 
@@ -220,11 +225,12 @@ void remove_sidecar(const fs::path& run_file) {
 }
 
 void write_sidecar(std::size_t particles, bool has_objects, const std::vector<double>& times,
-                   const fs::path& run_file) {
+                   const std::vector<ParticleField>& fields, const fs::path& run_file) {
     write_text(sidecar_path(run_file), xdmf_text({.h5_name = run_file.filename().string(),
                                                   .particles = particles,
                                                   .times = times,
-                                                  .has_objects = has_objects}));
+                                                  .has_objects = has_objects,
+                                                  .fields = fields}));
 }
 
 }  // namespace tomodem

@@ -6,7 +6,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/packing.hpp"
@@ -17,13 +16,6 @@
 /// A file is created complete in shape, by one process. What follows are numbers at fixed places, written by one
 /// process or by many together; so a file whose writers were killed at any moment can be read, and be gone on with.
 namespace tomodem {
-
-/// What every frame holds of every particle, besides its position: /particles/all/NAME.
-struct ParticleField {
-    std::string name, unit;
-    int components = 3;
-    std::vector<std::pair<std::string, double>> attributes{};  ///< of its group
-};
 
 struct CurveShape {
     std::string name, unit;
@@ -73,6 +65,6 @@ void require_sound_packing(const Packing& packing, const std::string& where);
 void remove_sidecar(const std::filesystem::path& run_file);
 /// Writes NAME.xdmf beside the run file NAME.h5.
 void write_sidecar(std::size_t particles, bool has_objects, const std::vector<double>& times,
-                   const std::filesystem::path& run_file);
+                   const std::vector<ParticleField>& fields, const std::filesystem::path& run_file);
 
 }  // namespace tomodem

@@ -32,6 +32,17 @@ std::string scalar(const std::string& name, const std::string& array, int bytes,
         name, bytes, content.particles, xml_escaped(content.h5_name), array);
 }
 
+/// A field in one frame. XDMF has no name for six components in the order of the file: they are a matrix of one row.
+std::string field_of_frame(const ParticleField& field, std::size_t frame, const XdmfContent& content) {
+    const char* type = field.components == 1 ? "Scalar" : field.components == 3 ? "Vector" : "Matrix";
+    return fmt::format(
+        R"(        <Attribute Name="{0}" AttributeType="{1}" Center="Node">
+          <DataItem Format="HDF" NumberType="Float" Precision="8" Dimensions="{2} {3}">{4}:/xdmf/{0}_{5}</DataItem>
+        </Attribute>
+)",
+        field.name, type, content.particles, field.components, xml_escaped(content.h5_name), frame);
+}
+
 /// VTK's two readers agree on plain arrays only: the newer one passes over an ItemType="HyperSlab" of the run's
 /// positions and makes no cells of a Polyvertex without indices. Hence the arrays of the group /xdmf.
 std::string grid(std::size_t frame, const XdmfContent& content) {
@@ -51,6 +62,7 @@ std::string grid(std::size_t frame, const XdmfContent& content) {
     text += scalar("species", "species", 4, content);
     text += scalar("id", "id", 8, content);
     if (content.has_objects) text += scalar("object", "object", 4, content);
+    for (const ParticleField& field : content.fields) text += field_of_frame(field, frame, content);
     return text + "      </Grid>\n";
 }
 

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/packing.hpp"
+
 namespace tomodem {
 
 /// What the XDMF text needs to know of a packing or run file.
@@ -12,6 +14,7 @@ struct XdmfContent {
     std::size_t particles = 0;
     std::vector<double> times;  ///< s, one a frame; more than one makes a temporal collection
     bool has_objects = false;
+    std::vector<ParticleField> fields{};
 };
 
 /// The text of the small XML file that tells ParaView and VTK where a packing file's arrays are.

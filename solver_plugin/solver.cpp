@@ -414,7 +414,8 @@ class Pressing {
                 if (point.frame) times.push_back(time(segment_start(point.segment) - start_ + point.to));
             remove_sidecar(run_file_);
             output_->commit();
-            write_sidecar(static_cast<std::size_t>(simulation().initial_particles()), has_objects_, times, run_file_);
+            write_sidecar(static_cast<std::size_t>(simulation().initial_particles()), has_objects_, times, fields_,
+                          run_file_);
             std::error_code ignored;
             std::filesystem::remove(checkpoint_file_, ignored);
         });

@@ -30,21 +30,23 @@ refused() {
     /usr/bin/python3 "$here/check_h5md.py" 7 3 run.h5
 }
 
-@test "the XDMF of a sample and of a run names the numbers that h5py reads" {
+@test "the XDMF of a sample, of a run and of fields names the numbers that h5py reads" {
     "$write_sample_run" 9 1 sample.h5
-    "$write_sample_run" 7 3 run.h5
+    "$write_sample_run" 7 3 run.h5 fields.h5
+    /usr/bin/python3 "$here/read_xdmf.py" plain fields.xdmf fields.h5
     /usr/bin/python3 "$here/read_xdmf.py" plain sample.xdmf sample.h5
     /usr/bin/python3 "$here/read_xdmf.py" plain run.xdmf run.h5
 }
 
 @test "VTK's XDMF readers give the numbers that h5py reads" {
     "$write_sample_run" 9 1 sample.h5
-    "$write_sample_run" 7 3 run.h5
+    "$write_sample_run" 7 3 run.h5 fields.h5
     for reader in xdmf2 xdmf3; do
         run /usr/bin/python3 "$here/read_xdmf.py" $reader sample.xdmf sample.h5
         [ "$status" -ne 3 ] || skip "the VTK of this machine is built without XDMF (Debian's python3-paraview has it)"
         [ "$status" -eq 0 ]
         /usr/bin/python3 "$here/read_xdmf.py" $reader run.xdmf run.h5
+        /usr/bin/python3 "$here/read_xdmf.py" $reader fields.xdmf fields.h5
     done
 }
 

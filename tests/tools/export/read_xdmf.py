@@ -89,6 +89,9 @@ def main(kind, xdmf, h5):
                 assert (name in arrays) == (name in particles), f"array {name}"
                 if name in particles:
                     assert np.array_equal(arrays[name], particles[name]), f"values of {name} in frame {frame}"
+            for name, group in particles.items():
+                if name != "position" and isinstance(group, h5py.Group) and "value" in group:
+                    assert np.array_equal(np.squeeze(arrays[name]), np.squeeze(group["value"][frame])), f"field {name}"
         print(f"{kind}: {len(grids)} frames of {len(points)} particles")
     return 0
 

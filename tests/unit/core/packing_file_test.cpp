@@ -287,6 +287,40 @@ TEST_F(PackingFile, OfARunWithoutFramesIsRefused) {
     EXPECT_THAT([&] { writer.commit(); }, ThrowsMessage<InvalidInput>(HasSubstr("the run has no frame")));
 }
 
+TEST_F(PackingFile, OfFieldsHasTheChosenFramesOfTheRunAndTheNewFields) {
+    write_run(4);
+    const RunReader run(folder / "run.h5");
+    const std::vector<ParticleField> fields{{"stress_local", "Pa", 6, {{"radius", 1.5}}}, {"d2min", "", 1}};
+    const auto value_of = [](std::size_t frame, std::size_t place) { return 1000.0 * double(frame) + double(place); };
+    {
+        FieldWriter writer(run, {1, 3}, fields, folder / "fields.h5", provenance);
+        for (const std::size_t f : {1u, 3u}) {
+            std::vector<std::vector<double>> values{std::vector<double>(300), std::vector<double>(50)};
+            for (std::size_t k = 0; k < 300; ++k) values[0][k] = value_of(f, k);
+            for (std::size_t k = 0; k < 50; ++k) values[1][k] = -value_of(f, k);
+            writer.add_frame(run.frame(f), values);
+        }
+        writer.commit();
+    }
+    const RunReader read(folder / "fields.h5");
+    ASSERT_EQ(read.frame_count(), 2u);
+    EXPECT_EQ(read.frame(1).position, run.frame(3).position);
+    EXPECT_EQ(read.frame_time(0), run.frame_time(1));
+    EXPECT_EQ(read.packing().species, run.packing().species);
+    EXPECT_EQ(read.observable("strain").value, run.observable("strain").value);
+    ASSERT_EQ(read.fields().size(), 2u);
+    EXPECT_EQ(read.field("stress_local").unit, "Pa");
+    EXPECT_EQ(read.field("stress_local").components, 6);
+    EXPECT_THAT(read.field("stress_local").attributes, ElementsAre(std::pair<std::string, double>("radius", 1.5)));
+    EXPECT_EQ(read.field_values("stress_local", 1)[299], value_of(3, 299));
+    EXPECT_EQ(read.field_values("d2min", 0)[49], -value_of(1, 49));
+    EXPECT_THAT([&] { read.field("stress"); },
+                ThrowsMessage<InvalidInput>(HasSubstr("have no 'stress', only d2min, stress_local")));
+    EXPECT_THAT([&] { run.field_values("stress", 0); },
+                ThrowsMessage<InvalidInput>(HasSubstr("nor anything else but their positions")));
+    EXPECT_THAT([&] { read.field_values("d2min", 2); }, ThrowsMessage<InvalidInput>(HasSubstr("no frame 2")));
+}
+
 TEST_F(PackingFile, RefusesPositionsThatAreNotFinite) {
     RunWriter writer(sample(), folder / "run.h5", provenance);
     Frame frame = moved(sample(), 2);
