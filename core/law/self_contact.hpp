@@ -9,6 +9,7 @@ struct SelfContact {
     double cos_line = 0.17364817766693033;            ///< cos 80 deg, between an outward vector and the pair's line
     double cos_outward = 0.42261826174069944;         ///< cos 65 deg, between the two outward vectors
     static constexpr double outward_over_seed = 4.6;  ///< N_mag / r_s: 2.3 mm at r_s = 0.5 mm
+    static constexpr double crown_over_seed = 3.0;    ///< 2 r_c / r_s, of the crown that N_mag was chosen with
 };
 
 /// Whether a pair that forms now is an interface, which only repels, or internal.

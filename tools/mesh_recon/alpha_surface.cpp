@@ -222,7 +222,8 @@ std::vector<std::int32_t> opposite_half_edges(const std::vector<Facet>& facets) 
 }
 
 /// One vertex for each fan of triangles around a point.
-TriangleMesh joined_by_fans(const std::vector<Facet>& facets, const std::vector<std::int32_t>& across) {
+TriangleMesh joined_by_fans(const std::vector<Facet>& facets, const std::vector<std::int32_t>& across,
+                            std::vector<std::int32_t>& centre_of_vertex) {
     const auto next = [](std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; };
     DisjointSets fans(across.size());
     for (std::int32_t h = 0; h < std::int32_t(across.size()); ++h) fans.join(h, next(across[h]));
@@ -236,6 +237,7 @@ TriangleMesh joined_by_fans(const std::vector<Facet>& facets, const std::vector<
             if (vertex < 0) {
                 vertex = std::int32_t(mesh.vertices.size());
                 mesh.vertices.push_back(vector(facets[f].corner(k)->point()));
+                centre_of_vertex.push_back(facets[f].corner(k)->info().centre);
             }
             mesh.triangles[f][k] = vertex;
         }
@@ -414,8 +416,11 @@ void add_touching(const Delaunay& delaunay, double probe_radius, std::vector<std
     for (const auto& [centre, body] : found) body_of_centre[centre] = body;
 }
 
-void measure_bodies(Delaunay& delaunay, const std::vector<double>& volumes, double probe_radius,
+void measure_bodies(Delaunay& delaunay, const std::vector<double>& volumes, const AlphaSurfaceOptions& options,
                     AlphaSurface& surface) {
+    const auto particles = std::int32_t(surface.body_of_centre.size() - options.auxiliary);
+    for (Vertex vertex : delaunay.finite_vertex_handles())
+        if (vertex->info().centre >= particles) vertex->info().at_void = true;  // as if nothing were there
     std::vector<Body> bodies(volumes.size());
     for (std::size_t i = 0; i < volumes.size(); ++i) bodies[i].volume = volumes[i];
     const std::vector<std::int32_t> order = order_by_volume(bodies), place = inverse(order);
@@ -435,10 +440,10 @@ void measure_bodies(Delaunay& delaunay, const std::vector<double>& volumes, doub
             if (body < 0 || number < body) body = number;
         }
     }
-    add_touching(delaunay, probe_radius, surface.body_of_centre);
+    add_touching(delaunay, options.probe_radius, surface.body_of_centre);
     for (Vertex vertex : delaunay.finite_vertex_handles()) {
         const std::int32_t body = surface.body_of_centre[vertex->info().centre];
-        if (body < 0) continue;
+        if (body < 0 || vertex->info().centre >= particles) continue;
         ++surface.bodies[body].particles;
         for (std::int32_t d = 1; d <= vertex->info().depth; ++d) ++shares[body][d].particles;
     }
@@ -555,7 +560,7 @@ AlphaSurface alpha_surface(std::span<const Vec3> centres, const AlphaSurfaceOpti
     const std::vector<Facet> facets = surface_facets(delaunay);
     const std::vector<std::int32_t> across = opposite_half_edges(facets);
     Voids voids = number_voids(delaunay, facets, across);
-    measure_bodies(delaunay, volumes, options.probe_radius, surface);
+    measure_bodies(delaunay, volumes, options, surface);
     const std::vector<std::int32_t> pore_of_part = measure_pores(delaunay, voids, surface);
     for (const Body& body : surface.bodies) surface.components.push_back(body.volume);
     surface.volume = std::accumulate(surface.components.rbegin(), surface.components.rend(), 0.0);
@@ -569,12 +574,13 @@ AlphaSurface alpha_surface(std::span<const Vec3> centres, const AlphaSurfaceOpti
         surface.body_of_triangle.push_back(facet.cell->info().component);
         surface.pore_of_triangle.push_back(pore_of_part[void_beyond(facet)]);
     }
-    surface.mesh = joined_by_fans(facets, across);
+    surface.mesh = joined_by_fans(facets, across, surface.centre_of_vertex);
     measure_shells(facets, across, surface);
     for (const std::int32_t facet : separate_parallel_edges(surface.mesh, across)) {
         surface.body_of_triangle.push_back(surface.body_of_triangle[facet]);
         surface.pore_of_triangle.push_back(surface.pore_of_triangle[facet]);
     }
+    surface.centre_of_vertex.resize(surface.mesh.vertices.size(), -1);
     surface.area = surface.mesh.area();
     if (options.seed_radius > 0.0 && surface.inside_volume > 0.0) {
         const double sphere = 4.0 / 3.0 * std::numbers::pi * std::pow(options.seed_radius, 3);

@@ -17,6 +17,7 @@ struct AlphaSurfaceOptions {
     std::function<void(double)> progress = {};
     /// mm; of equal particles, for the corrected volumes; 0: those of the pores are not known.
     double seed_radius = 0.0;
+    std::size_t auxiliary = 0;  ///< so many of the last centres enclose like the others, but are no particles
 };
 
 /// A part of the solid (filled tetrahedra connected through facets), or a pore (empty ones connected through facets or
@@ -46,6 +47,7 @@ struct AlphaSurface {
     std::vector<Body> pores;   ///< largest first
     std::vector<std::int32_t> body_of_triangle;
     std::vector<std::int32_t> pore_of_triangle;  ///< the pore beyond it; -1: the outside
+    std::vector<std::int32_t> centre_of_vertex;  ///< -1: the middle of an edge
     std::vector<std::int32_t>
         body_of_centre;  ///< the largest part that it belongs to or touches; -1: none, or a duplicate
     std::vector<std::vector<std::int32_t>> centres_of_pore;  ///< around each pore, increasing
@@ -86,6 +88,8 @@ struct SurfacePart {
     TriangleMesh mesh;
     std::vector<std::int32_t> number;  ///< of each triangle: its body or pore, from 0
 };
+/// Triangles whose number is not negative.
+SurfacePart surface_part(const TriangleMesh& mesh, const std::vector<std::int32_t>& number);
 SurfacePart body_surface(const AlphaSurface& surface);
 /// Oriented out of the pores, so that their volume is positive.
 SurfacePart pore_surface(const AlphaSurface& surface);

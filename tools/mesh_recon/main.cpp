@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 struct Request {
     fs::path packing, mesh, table;
-    double probe_radius = 0.0;  // mm; 0: one particle diameter
+    double probe_radius = 0.0, lid_radius = 0.0;  // mm; 0: one particle diameter, no lid
     std::int64_t frame = -1, species = 0, object = 0;
     std::string frames = "last";
     bool pores = false, each_object = false, correct_envelope = false;
@@ -46,6 +46,8 @@ cli::Usage usage(Request& request) {
         .option("--object", request.object, cli::Unit::none, cli::positive, "only the object of this number")
         .flag("--each-object", request.each_object, "every object on its own, in one mesh")
         .flag("--pores", request.pores, "the closed pores instead of the solid")
+        .option("--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
+                "with --pores: those with a mouth too, under a lid that a ball of this radius rolls on")
         .flag("--correct-envelope", request.correct_envelope,
               "move the surfaces from the outermost centres to where the material ends")
         .output_option("--bodies", request.table, "measures of each body (or pore), to write (.csv)")
@@ -135,6 +137,10 @@ void run(const Request& request) {
     if (cli::given("--object")) options.selection.object = request.object;
     options.bodies = request.pores ? Bodies::pores : request.each_object ? Bodies::objects : Bodies::parts;
     options.envelope = request.correct_envelope ? Envelope::corrected : Envelope::centres;
+    if (cli::given("--lid-radius")) {
+        if (!request.pores) throw WrongUsage("--lid-radius goes with --pores only");
+        options.lid_radius = request.lid_radius;
+    }
     options.probe_radius =
         cli::given("--probe-radius") ? request.probe_radius : default_probe_radius(packing.seed_radius);
 
@@ -176,7 +182,7 @@ void run(const Request& request) {
     if (options.probe_radius > 10 * default_probe_radius(packing.seed_radius))
         cli::warn(fmt::format("a probe of {:g} mm is more than ten particle diameters: little but the hull is left",
                               options.probe_radius));
-    if (request.pores && shown.rows.empty()) cli::warn("there is no closed pore: the mesh is empty");
+    if (request.pores && shown.rows.empty()) cli::warn("there is no pore: the mesh is empty");
     if (shown.objects_left_out > 0)
         cli::warn(
             fmt::format("{} objects enclose no volume at this probe radius and are left out", shown.objects_left_out));

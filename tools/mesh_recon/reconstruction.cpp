@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "tools/mesh_recon/pore_search.hpp"
 
 namespace tomodem {
 namespace {
@@ -113,14 +114,21 @@ Reconstruction reconstruct(const Packing& packing, const ReconstructionOptions& 
     const std::vector<Vec3> centres = selected_centres(packing, options.selection);
     require_smaller_probe(centres, options.probe_radius);
     result.particles = std::int64_t(centres.size());
+    const auto object = std::int32_t(options.selection.object.value_or(0));
+    if (options.bodies == Bodies::pores) {
+        Pores pores = find_pores(centres, {.probe_radius = options.probe_radius,
+                                           .seed_radius = packing.seed_radius,
+                                           .lid_radius = options.lid_radius,
+                                           .progress = options.progress});
+        std::vector<Body> bodies;
+        for (const Pore& pore : pores.pores) bodies.push_back(pore.body);
+        append(std::move(pores.surface), bodies, object, options, result);
+        return result;
+    }
     const AlphaSurface surface = alpha_surface(
         centres,
         {.probe_radius = options.probe_radius, .progress = options.progress, .seed_radius = packing.seed_radius});
-    const auto object = std::int32_t(options.selection.object.value_or(0));
-    if (options.bodies == Bodies::pores)
-        append(pore_surface(surface), surface.pores, object, options, result);
-    else
-        append(body_surface(surface), surface.bodies, object, options, result);
+    append(body_surface(surface), surface.bodies, object, options, result);
     return result;
 }
 

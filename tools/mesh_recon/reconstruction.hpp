@@ -26,6 +26,7 @@ struct ReconstructionOptions {
     Bodies bodies = Bodies::parts;
     Selection selection = {};
     double probe_radius = 0.0;  ///< mm
+    double lid_radius = 0.0;    ///< mm, of pores with a mouth (pore_search.hpp); 0: closed ones only
     Envelope envelope = Envelope::centres;
     std::function<void(double)> progress = {};  ///< as in AlphaSurfaceOptions
 };

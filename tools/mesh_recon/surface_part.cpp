@@ -6,16 +6,13 @@
 #include "tools/mesh_recon/alpha_surface.hpp"
 
 namespace tomodem {
-namespace {
 
-/// Triangles whose number is not negative.
-SurfacePart part_of(const TriangleMesh& mesh, const std::vector<std::int32_t>& number, bool turned) {
+SurfacePart surface_part(const TriangleMesh& mesh, const std::vector<std::int32_t>& number) {
     SurfacePart part;
     std::vector<std::int32_t> renumbered(mesh.vertices.size(), -1);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         if (number[t] < 0) continue;
         std::array<std::int32_t, 3> triangle = mesh.triangles[t];
-        if (turned) std::swap(triangle[1], triangle[2]);
         for (std::int32_t& v : triangle) {
             if (renumbered[v] < 0) {
                 renumbered[v] = std::int32_t(part.mesh.vertices.size());
@@ -29,14 +26,14 @@ SurfacePart part_of(const TriangleMesh& mesh, const std::vector<std::int32_t>& n
     return part;
 }
 
-}  // namespace
-
 SurfacePart body_surface(const AlphaSurface& surface) {
     return {surface.mesh, surface.body_of_triangle};
 }
 
 SurfacePart pore_surface(const AlphaSurface& surface) {
-    return part_of(surface.mesh, surface.pore_of_triangle, true);
+    SurfacePart part = surface_part(surface.mesh, surface.pore_of_triangle);
+    for (auto& triangle : part.mesh.triangles) std::swap(triangle[1], triangle[2]);
+    return part;
 }
 
 void correct_envelope(SurfacePart& part, const std::vector<Body>& bodies) {

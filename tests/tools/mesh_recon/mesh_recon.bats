@@ -100,7 +100,7 @@ PYTHON
     "$synthetic_run" run.h5
     run "$TOMODEM_BIN/mesh_recon" run.h5 pores.vtp --pores --frame 0
     [ "$status" -eq 0 ]
-    [[ "$output" == *"there is no closed pore"* ]]
+    [[ "$output" == *"there is no pore"* ]]
 }
 
 @test "the corrected envelope encloses the corrected volume" {

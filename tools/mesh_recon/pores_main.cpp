@@ -1,0 +1,210 @@
+// pores: volume, surface, mouths and sphericity of the pores of a sample through a run, by one of three methods.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/cli.hpp"
+#include "core/law/self_contact.hpp"
+#include "core/packing_file.hpp"
+#include "core/volume_parallel.hpp"
+#include "tools/mesh_recon/pore_search.hpp"
+#include "tools/mesh_recon/reconstruction.hpp"
+#include "tools/metrics/strain_curves.hpp"
+#include "tools/metrics/table.hpp"
+
+namespace {
+using namespace tomodem;
+namespace fs = std::filesystem;
+
+struct Request {
+    fs::path run, table, each;
+    std::string method = "lids", frames = "all";
+    double probe_radius = 0.0, lid_radius = 0.0, least_outward = 0.0;  // mm; 0: not given
+    double least_pore = 4.0;
+    std::int64_t closed_frame = -1;
+    bool closed_only = false;
+};
+
+cli::Usage usage(Request& request) {
+    return cli::Usage{"pores", "Volume, surface, mouths and sphericity of the pores of a sample through a run."}
+        .input("RUN", request.run, "run or sample (.h5)")
+        .output("TABLE", request.table, "one row for each frame, to write (.csv)")
+        .output_option("--each", request.each, "one row for each pore and frame, to write (.csv)")
+        .choice("--method", request.method, {"lids", "two-probes", "outward-vectors"},
+                "lids over the mouths; or, to compare, the thesis' difference of two probes or its outward vectors")
+        .choice("--frames", request.frames, {"first", "last", "all"}, "frames of a run")
+        .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
+                "a pore is where a ball of this radius fits between the centres; one particle diameter where not "
+                "given, 0.9 with two-probes, 2 around the particles with long outward vectors")
+        .option("--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
+                "what a ball of this radius cannot enter from outside is under a lid, and a pore; half of the sample's "
+                "shortest edge where not given; with two-probes the large probe, five particle diameters")
+        .flag("--closed-only", request.closed_only, "no lids: only the pores that no way leads out of")
+        .option("--least-pore", request.least_pore, cli::Unit::none, cli::not_negative,
+                "pores of less than this many particles' volume are left out")
+        .option("--closed-frame", request.closed_frame, cli::Unit::none, {.low = 0},
+                "two-probes: the frame whose pores are all closed; its difference is taken off")
+        .option("--least-outward", request.least_outward, cli::Unit::length, cli::positive,
+                "outward-vectors: N_mag; 4.6 seed radii where not given")
+        .exclusive({"--closed-only", "--lid-radius"})
+        .example("pores run.h5 pores.csv --each each_pore.csv")
+        .example("pores run.h5 two_probes.csv --method two-probes --closed-frame 12");
+}
+
+/// What the method says of one frame.
+struct Measure {
+    Pores pores;
+    double difference = 0.0;  // of two probes [mm^3]
+};
+
+Table::Cell cell(double value) {
+    if (std::isnan(value)) return std::monostate{};
+    return value;
+}
+
+Measure measure(const Request& request, const RunReader& reader, std::size_t index, double probe_radius) {
+    const Packing& packing = reader.packing();
+    const Frame frame = reader.frame(index);
+    const std::vector<Vec3>& centres = frame.position;
+    require_smaller_probe(centres, probe_radius);
+    Measure result;
+    if (request.method == "two-probes") {
+        result.difference = probe_difference(
+            centres, probe_radius, cli::given("--lid-radius") ? request.lid_radius : 10.0 * packing.seed_radius);
+        return result;
+    }
+    PoreSearch search{.probe_radius = probe_radius, .seed_radius = packing.seed_radius};
+    if (!request.closed_only)
+        search.lid_radius = cli::given("--lid-radius") ? request.lid_radius : default_lid_radius(centres);
+    if (request.method == "lids") {
+        result.pores = find_pores(centres, search);
+    } else {
+        const double least = cli::given("--least-outward") ? request.least_outward
+                                                           : law::SelfContact::outward_over_seed * packing.seed_radius;
+        const double reach = law::SelfContact::crown_over_seed * packing.seed_radius;
+        result.pores = pores_by_outward_vectors(centres, outward_vectors(centres, reach), least, search);
+    }
+    result.pores.leave_out_below(request.least_pore * result.pores.solid / double(centres.size()));
+    return result;
+}
+
+void check(const Request& request) {
+    const auto only_with = [&](const char* flag, const char* method) {
+        if (cli::given(flag) && request.method != method)
+            throw WrongUsage(fmt::format("{} goes with --method {} only", flag, method));
+    };
+    only_with("--closed-frame", "two-probes");
+    only_with("--least-outward", "outward-vectors");
+    only_with("--closed-only", "lids");
+    if (request.method == "two-probes" && cli::given("--each"))
+        throw WrongUsage("--each: two-probes gives one volume for all pores; take another --method");
+}
+
+std::size_t checked_frame(std::int64_t frame, const RunReader& reader) {
+    if (frame >= std::int64_t(reader.frame_count()))
+        throw InvalidInput(
+            fmt::format("--closed-frame {}: the run has frames 0 to {}", frame, reader.frame_count() - 1));
+    return std::size_t(frame);
+}
+
+void run(const Request& request) {
+    check(request);
+    const RunReader reader(request.run);
+    const double seed_radius = reader.packing().seed_radius;
+    const bool two_probes = request.method == "two-probes";
+    const double probe_radius = cli::given("--probe-radius") ? request.probe_radius
+                                : two_probes                 ? 1.8 * seed_radius
+                                : request.method == "lids"   ? default_probe_radius(seed_radius)
+                                                             : 2.0 * default_probe_radius(seed_radius);
+    std::optional<std::size_t> closed;
+    if (cli::given("--closed-frame")) closed = checked_frame(request.closed_frame, reader);
+
+    const std::size_t first = request.frames == "last" ? reader.frame_count() - 1 : 0;
+    const std::size_t count = request.frames == "all" ? reader.frame_count() : 1;
+    cli::Progress progress("frames", double(count));
+    std::vector<Measure> measures(count);
+    std::mutex mutex;
+    std::size_t done = 0;
+    parallel_for(std::int64_t(count), cli::threads(), [&](std::int64_t k) {
+        const std::size_t frame = first + std::size_t(k);
+        try {
+            measures[k] = measure(request, reader, frame, probe_radius);
+        } catch (const InvalidInput& error) {
+            throw InvalidInput(fmt::format("frame {}: {}", frame, error.what()));
+        }
+        const std::scoped_lock lock(mutex);
+        progress.update(double(++done));
+    });
+    const double reference = closed ? measure(request, reader, *closed, probe_radius).difference : 0.0;
+
+    Table table({"frame [-]", "time [s]", "strain [-]", "abs_strain [-]", "pores [-]", "open_pores [-]",
+                 "volume [mm^3]", "volume_corrected [mm^3]", "porosity [-]", "mouth_area [mm^2]", "largest [mm^3]"});
+    Table each({"frame [-]", "time [s]", "strain [-]", "abs_strain [-]", "pore [-]", "particles [-]", "volume [mm^3]",
+                "volume_corrected [mm^3]", "area [mm^2]", "mouth_area [mm^2]", "sphericity [-]", "centre_x [mm]",
+                "centre_y [mm]", "centre_z [mm]", "genus [-]", "shells [-]"});
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t frame = first + k;
+        const double time = reader.frame_time(frame), strain = frame_strain(reader, frame);
+        const Pores& pores = measures[k].pores;
+        std::int64_t open = 0;
+        for (const Pore& pore : pores.pores) open += pore.mouth > 0.0;
+        const double volume = two_probes ? measures[k].difference - reference : pores.volume();
+        const double corrected = two_probes ? std::nan("") : pores.corrected_volume();
+        const double porosity = pores.solid > 0.0 ? corrected / (corrected + pores.solid) : std::nan("");
+        const double largest = pores.pores.empty() ? 0.0 : pores.pores.front().body.volume;
+        table.add({std::int64_t(frame), time, strain, std::abs(strain),
+                   two_probes ? Table::Cell() : Table::Cell(std::int64_t(pores.pores.size())),
+                   two_probes ? Table::Cell() : Table::Cell(open), volume, cell(corrected), cell(porosity),
+                   two_probes ? Table::Cell() : Table::Cell(pores.mouth()),
+                   two_probes ? Table::Cell() : Table::Cell(largest)});
+        rows.push_back({{"frame", frame},
+                        {"strain", strain},
+                        {"pores", pores.pores.size()},
+                        {"open_pores", open},
+                        {"volume", volume},
+                        {"volume_corrected", corrected},
+                        {"porosity", porosity},
+                        {"mouth_area", pores.mouth()}});
+        for (std::size_t i = 0; i < pores.pores.size(); ++i) {
+            const auto& [body, mouth] = pores.pores[i];
+            each.add({std::int64_t(frame), time, strain, std::abs(strain), std::int64_t(i + 1), body.particles,
+                      body.volume, cell(body.corrected_volume), body.area, mouth, pores.pores[i].sphericity(),
+                      body.centre.x(), body.centre.y(), body.centre.z(), body.genus, body.shells});
+        }
+    }
+    table.write(request.table);
+    if (cli::given("--each")) each.write(request.each);
+
+    cli::report("frames", std::int64_t(count));
+    cli::report("probe_radius", probe_radius, "mm");
+    for (const bool last : {false, true}) {
+        if (!last && count == 1) continue;
+        const nlohmann::ordered_json& row = last ? rows.back() : rows.front();
+        const std::string suffix = count == 1 ? "" : last ? "_last" : "_first";
+        if (!two_probes) {
+            cli::report("pores" + suffix, row["pores"].get<std::int64_t>());
+            cli::report("open_pores" + suffix, row["open_pores"].get<std::int64_t>());
+        }
+        cli::report("volume" + suffix, row["volume"].get<double>(), "mm^3");
+        if (const double corrected = row["volume_corrected"].get<double>(); !std::isnan(corrected))
+            cli::report("volume_corrected" + suffix, corrected, "mm^3");
+        if (const double porosity = row["porosity"].get<double>(); !std::isnan(porosity))
+            cli::report("porosity" + suffix, porosity);
+    }
+    cli::report_json("frame_rows", rows.dump());
+    if (two_probes && !closed)
+        cli::warn("the roughness of the outside is in the volume of two-probes; give --closed-frame to take it off");
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+    return cli::main(argc, argv, usage, run);
+}
