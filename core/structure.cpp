@@ -9,179 +9,14 @@
 #include <limits>
 #include <numbers>
 
+#include "core/blocks.hpp"
+#include "core/cell_grid.hpp"
 #include "core/error.hpp"
-#include "core/volume_parallel.hpp"
 
 namespace tomodem {
-namespace {
-
-constexpr std::int64_t block_size = 1024;
-
-/// Calls work(first, last) for blocks of 0 ... count - 1, and with their number.
-template <class Work>
-void for_blocks(std::size_t count, int threads, const Work& work) {
-    const auto total = static_cast<std::int64_t>(count);
-    parallel_for((total + block_size - 1) / block_size, threads, [&](std::int64_t block) {
-        work(static_cast<std::size_t>(block), static_cast<std::size_t>(block * block_size),
-             static_cast<std::size_t>(std::min(total, (block + 1) * block_size)));
-    });
-}
-
-std::size_t blocks_of(std::size_t count) {
-    return (count + block_size - 1) / block_size;
-}
-
-double nearest(double difference, double edge) {
-    return difference - edge * std::nearbyint(difference / edge);
-}
-
-double half_of_shortest_period(const Box& box) {
-    double half = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis)
-        if (box.periodic[axis]) half = std::min(half, 0.5 * box.edges[axis]);
-    return half;
-}
-
-/// Points sorted into cells that are no shorter than a cutoff.
-class Cells {
- public:
-    Cells(std::span<const Vec3> points, const Box& box, double cutoff) : box_(box), cutoff_(cutoff) {
-        if (!(cutoff > 0.0))
-            throw InvalidInput(fmt::format("a cutoff of {:g} mm for neighbours is not positive", cutoff));
-        // Half an edge, but for rounding.
-        if (cutoff > half_of_shortest_period(box) * (1.0 + 1e-12))
-            throw InvalidInput(fmt::format(
-                "a cutoff of {:g} mm for neighbours is more than half of the shortest periodic edge of the box, "
-                "{:g} mm",
-                cutoff, 2.0 * half_of_shortest_period(box)));
-        if (points.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-            throw InvalidInput(fmt::format("{} points are too many for a table of neighbours", points.size()));
-        low_ = box.origin;
-        Vec3 high = box.origin + box.edges;
-        Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), most = -least;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            if (!points[i].allFinite())
-                throw InvalidInput(
-                    fmt::format("point {} (counted from 1) has a coordinate that is not a number", i + 1));
-            least = least.cwiseMin(points[i]);
-            most = most.cwiseMax(points[i]);
-        }
-        for (int axis = 0; axis < 3; ++axis)
-            if (!box.periodic[axis] && !points.empty()) {
-                low_[axis] = least[axis];
-                high[axis] = most[axis];
-            }
-        length_ = (high - low_).cwiseMax(cutoff);
-        const double one_each = std::cbrt(static_cast<double>(points.size() + 1) / length_.prod());
-        for (int axis = 0; axis < 3; ++axis) {
-            count_[axis] = static_cast<int>(
-                std::max(1.0, std::min(length_[axis] / cutoff * (1.0 + 1e-12), std::ceil(length_[axis] * one_each))));
-            if (box.periodic[axis] && count_[axis] < 3) {
-                count_[axis] = 1;
-                folded_ = true;
-            }
-        }
-        sort(points);
-    }
-
-    /// Calls visit(index, separation, squared distance) for the points within the cutoff of one of them, itself too.
-    template <class Visit>
-    void near(const Vec3& point, const Visit& visit) const {
-        if (folded_)
-            scan<true>(point, visit);
-        else
-            scan<false>(point, visit);
-    }
-
- private:
-    Vec3 wrapped(Vec3 point) const {
-        for (int axis = 0; axis < 3; ++axis)
-            if (box_.periodic[axis]) {
-                double s = point[axis] - low_[axis];
-                s -= length_[axis] * std::floor(s / length_[axis]);
-                point[axis] = low_[axis] + (s < length_[axis] ? s : 0.0);
-            }
-        return point;
-    }
-
-    int cell(int axis, double s) const {
-        return std::clamp(static_cast<int>((s - low_[axis]) / length_[axis] * count_[axis]), 0, count_[axis] - 1);
-    }
-
-    void sort(std::span<const Vec3> points) {
-        std::vector<std::size_t> cell_of(points.size());
-        start_.assign(static_cast<std::size_t>(count_[0]) * count_[1] * count_[2] + 1, 0);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const Vec3 p = wrapped(points[i]);
-            cell_of[i] =
-                (static_cast<std::size_t>(cell(2, p.z())) * count_[1] + cell(1, p.y())) * count_[0] + cell(0, p.x());
-            ++start_[cell_of[i] + 1];
-        }
-        for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
-        std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
-        index_.resize(points.size());
-        sorted_.resize(points.size());
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const std::size_t place = next[cell_of[i]]++;
-            index_[place] = static_cast<std::int32_t>(i);
-            sorted_[place] = wrapped(points[i]);
-        }
-    }
-
-    template <bool folded, class Visit>
-    void scan(const Vec3& point, const Visit& visit) const {
-        const Vec3 from = wrapped(point);
-        const double squared_cutoff = cutoff_ * cutoff_;
-        std::array<int, 3> at, first, last;
-        for (int axis = 0; axis < 3; ++axis) {
-            at[axis] = cell(axis, from[axis]);
-            const bool alone = count_[axis] == 1, open = !box_.periodic[axis];
-            first[axis] = alone || (open && at[axis] == 0) ? 0 : -1;
-            last[axis] = alone || (open && at[axis] == count_[axis] - 1) ? 0 : 1;
-        }
-        std::array<int, 3> offset;
-        for (offset[2] = first[2]; offset[2] <= last[2]; ++offset[2])
-            for (offset[1] = first[1]; offset[1] <= last[1]; ++offset[1])
-                for (offset[0] = first[0]; offset[0] <= last[0]; ++offset[0]) {
-                    Vec3 seen_from = from;
-                    std::array<int, 3> c;
-                    for (int axis = 0; axis < 3; ++axis) {
-                        c[axis] = at[axis] + offset[axis];
-                        if (c[axis] < 0) {
-                            c[axis] += count_[axis];
-                            seen_from[axis] += length_[axis];
-                        } else if (c[axis] == count_[axis]) {
-                            c[axis] = 0;
-                            seen_from[axis] -= length_[axis];
-                        }
-                    }
-                    const std::size_t number = (static_cast<std::size_t>(c[2]) * count_[1] + c[1]) * count_[0] + c[0];
-                    for (std::size_t k = start_[number]; k < start_[number + 1]; ++k) {
-                        Vec3 apart = sorted_[k] - seen_from;
-                        if constexpr (folded)
-                            for (int axis = 0; axis < 3; ++axis)
-                                if (box_.periodic[axis]) apart[axis] = nearest(apart[axis], length_[axis]);
-                        const double squared = apart.squaredNorm();
-                        if (squared < squared_cutoff) visit(index_[k], apart, squared);
-                    }
-                }
-    }
-
-    Box box_;
-    double cutoff_;
-    Vec3 low_, length_;
-    std::array<int, 3> count_{};
-    bool folded_ = false;  ///< some periodic axis has one cell
-    std::vector<std::size_t> start_;
-    std::vector<std::int32_t> index_;
-    std::vector<Vec3> sorted_;
-};
-
-}  // namespace
-
 NeighbourTable::NeighbourTable(std::span<const Vec3> points, const Box& box, double cutoff, int threads)
     : box_(box), cutoff_(cutoff), point_(points.begin(), points.end()), first_(points.size() + 1, 0) {
-    const Cells cells(points, box, cutoff);
+    const CellGrid cells(points, box, cutoff);
     std::vector<std::vector<std::int32_t>> found(blocks_of(points.size()));
     for_blocks(points.size(), threads, [&](std::size_t block, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
@@ -204,7 +39,7 @@ NeighbourTable::NeighbourTable(std::span<const Vec3> points, const Box& box, dou
 Vec3 NeighbourTable::separation(std::size_t i, std::size_t j) const {
     Vec3 apart = point_[j] - point_[i];
     for (int axis = 0; axis < 3; ++axis)
-        if (box_.periodic[axis]) apart[axis] = nearest(apart[axis], box_.edges[axis]);
+        if (box_.periodic[axis]) apart[axis] = nearest_image(apart[axis], box_.edges[axis]);
     return apart;
 }
 
@@ -227,7 +62,7 @@ RadialDistribution radial_distribution(std::span<const Vec3> points, const Box& 
                         "shortest periodic edge of the box and its shortest other edge",
                         reach, longest_reach(box)));
     RadialDistribution result{reach / static_cast<double>(shells), std::vector<double>(shells, 0.0)};
-    const Cells cells(points, box, reach);
+    const CellGrid cells(points, box, reach);
     const std::size_t stride = (points.size() + enough_centres - 1) / enough_centres;
     const std::size_t centres = (points.size() + stride - 1) / stride;
     std::vector<std::vector<std::int64_t>> counted(blocks_of(centres));
@@ -466,27 +301,95 @@ BondOrder bond_order(const NeighbourTable& neighbours, double cutoff, double sol
     return result;
 }
 
-ContactStatistics contact_statistics(const Packing& packing, OpenFaces faces, int threads) {
+std::vector<std::uint8_t> surface_points(const NeighbourTable& neighbours, int threads) {
+    constexpr double cosine = 0.5;  // of 60 degrees
+    std::vector<std::uint8_t> surface(neighbours.size(), 0);
+    for_blocks(neighbours.size(), threads, [&](std::size_t, std::size_t first, std::size_t last) {
+        std::vector<Vec3> directions;
+        for (std::size_t i = first; i < last; ++i) {
+            directions.clear();
+            Vec3 outward = Vec3::Zero();
+            for (const std::int32_t j : neighbours.of(i)) {
+                const Vec3 apart = neighbours.separation(i, static_cast<std::size_t>(j));
+                directions.push_back(apart.normalized());
+                outward -= directions.back();
+            }
+            const double length = outward.norm();
+            const bool even = length < 1e-9;  // a lattice: it points nowhere
+            surface[i] = directions.size() < 12 ||
+                         (!even && std::none_of(directions.begin(), directions.end(),
+                                                [&](const Vec3& e) { return e.dot(outward) > cosine * length; }));
+        }
+    });
+    return surface;
+}
+
+namespace {
+
+/// Sums over contacts between two labels, each contact seen from both ends.
+struct PairSum {
+    std::int64_t ends = 0, overlapping = 0;
+    double overlap = 0.0, most = 0.0;
+    void add(const PairSum& other) {
+        ends += other.ends;
+        overlapping += other.overlapping;
+        overlap += other.overlap;
+        most = std::max(most, other.most);
+    }
+    void add(double depth) {
+        ++ends;
+        if (depth <= 0.0) return;
+        ++overlapping;
+        overlap += depth;
+        most = std::max(most, depth);
+    }
+    double mean() const { return overlapping > 0 ? overlap / static_cast<double>(overlapping) : 0.0; }
+};
+
+/// Labels in their order, and the place of each particle's one among them.
+struct Labels {
+    explicit Labels(const std::vector<std::int32_t>& species) : label(species), of_particle(species.size()) {
+        std::sort(label.begin(), label.end());
+        label.erase(std::unique(label.begin(), label.end()), label.end());
+        for (std::size_t i = 0; i < species.size(); ++i)
+            of_particle[i] =
+                static_cast<std::uint32_t>(std::lower_bound(label.begin(), label.end(), species[i]) - label.begin());
+    }
+    std::vector<std::int32_t> label;
+    std::vector<std::uint32_t> of_particle;
+};
+
+}  // namespace
+
+ContactDetail contact_detail(const Packing& packing, double reach, OpenFaces faces, int threads) {
     const std::size_t count = packing.size();
-    ContactStatistics statistics;
-    if (count == 0) return statistics;
+    ContactDetail detail;
+    ContactStatistics& statistics = detail.all;
+    if (count == 0) return detail;
     double largest = packing.seed_radius;
     if (!packing.radius.empty()) largest = *std::max_element(packing.radius.begin(), packing.radius.end());
-    const NeighbourTable near(packing.position, packing.box, 2.0 * largest, threads);
+    const NeighbourTable near(packing.position, packing.box, reach * 2.0 * largest, threads);
+    const Labels labels(packing.species);
+    const std::size_t kinds = labels.label.size();
 
     const auto overlap = [&](std::size_t i, std::size_t j) {
         return 1.0 - near.separation(i, j).norm() / (packing.radius_of(i) + packing.radius_of(j));
     };
-    std::vector<int> contacts(count, 0), with_walls(count, 0);
-    std::vector<double> sum(count, 0.0), most(count, 0.0);
-    for_blocks(count, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+    const double farthest = 1.0 - reach;  // a contact's overlap is more
+    detail.contacts.assign(count, 0);
+    std::vector<std::vector<PairSum>> sums(blocks_of(count));
+    std::vector<std::int64_t> wall_contacts(sums.size(), 0);
+    std::vector<double> deepest_at_wall(sums.size(), 0.0);
+    for_blocks(count, threads, [&](std::size_t block, std::size_t first, std::size_t last) {
+        sums[block].resize(kinds * kinds);
         for (std::size_t i = first; i < last; ++i) {
-            for (const std::int32_t j : near.of(i)) {
-                const double depth = overlap(i, static_cast<std::size_t>(j));
-                if (depth <= 0.0) continue;
-                ++contacts[i];
-                sum[i] += depth;
-                most[i] = std::max(most[i], depth);
+            for (const std::int32_t neighbour : near.of(i)) {
+                const auto j = static_cast<std::size_t>(neighbour);
+                const double depth = overlap(i, j);
+                if (depth <= farthest) continue;
+                ++detail.contacts[i];
+                const auto [low, high] = std::minmax(labels.of_particle[i], labels.of_particle[j]);
+                sums[block][low * kinds + high].add(depth);
             }
             if (faces == OpenFaces::free) continue;
             for (int axis = 0; axis < 3; ++axis) {
@@ -494,35 +397,41 @@ ContactStatistics contact_statistics(const Packing& packing, OpenFaces faces, in
                 const double from_low = packing.position[i][axis] - packing.box.origin[axis];
                 for (const double distance : {from_low, packing.box.edges[axis] - from_low}) {
                     const double depth = 1.0 - distance / packing.radius_of(i);
-                    if (depth <= 0.0) continue;
-                    ++with_walls[i];
-                    most[i] = std::max(most[i], depth);
+                    if (depth <= farthest) continue;
+                    ++detail.contacts[i];
+                    ++wall_contacts[block];
+                    deepest_at_wall[block] = std::max(deepest_at_wall[block], depth);
                 }
             }
         }
     });
 
-    std::int64_t ends = 0, wall_contacts = 0;
-    double overlaps = 0.0;
-    for (std::size_t i = 0; i < count; ++i) {
-        ends += contacts[i];
-        wall_contacts += with_walls[i];
-        overlaps += sum[i];
-        statistics.max_overlap = std::max(statistics.max_overlap, most[i]);
+    PairSum all;
+    for (std::size_t a = 0; a < kinds; ++a)
+        for (std::size_t b = a; b < kinds; ++b) {
+            PairSum sum;
+            for (const auto& of_block : sums) sum.add(of_block[a * kinds + b]);
+            if (sum.ends > 0) detail.between[{labels.label[a], labels.label[b]}] = {sum.ends / 2, sum.most, sum.mean()};
+            all.add(sum);
+        }
+    statistics.max_overlap = all.most;
+    for (std::size_t block = 0; block < sums.size(); ++block) {
+        statistics.wall_contacts += wall_contacts[block];
+        statistics.max_overlap = std::max(statistics.max_overlap, deepest_at_wall[block]);
     }
-    statistics.contacts = ends / 2;
-    statistics.wall_contacts = wall_contacts;
-    statistics.mean_coordination = static_cast<double>(ends + wall_contacts) / static_cast<double>(count);
-    if (ends > 0) statistics.mean_overlap = overlaps / static_cast<double>(ends);
+    statistics.contacts = all.ends / 2;
+    statistics.mean_coordination =
+        static_cast<double>(all.ends + statistics.wall_contacts) / static_cast<double>(count);
+    statistics.mean_overlap = all.mean();
 
     // A rattler holds nobody, so its neighbours may be rattlers too.
-    std::vector<int> holding(count);
-    for (std::size_t i = 0; i < count; ++i) holding[i] = contacts[i] + with_walls[i];
-    std::vector<bool> rattles(count, false);
+    std::vector<std::int32_t>& holding = detail.backbone_contacts;
+    holding = detail.contacts;
+    detail.rattler.assign(count, 0);
     std::vector<std::size_t> loose;
     for (std::size_t i = 0; i < count; ++i)
         if (holding[i] < 4) {
-            rattles[i] = true;
+            detail.rattler[i] = 1;
             loose.push_back(i);
         }
     while (!loose.empty()) {
@@ -531,18 +440,25 @@ ContactStatistics contact_statistics(const Packing& packing, OpenFaces faces, in
         ++statistics.rattlers;
         for (const std::int32_t neighbour : near.of(i)) {
             const auto j = static_cast<std::size_t>(neighbour);
-            if (rattles[j] || overlap(i, j) <= 0.0) continue;
+            if (detail.rattler[j] != 0 || overlap(i, j) <= farthest) continue;
             if (--holding[j] < 4) {
-                rattles[j] = true;
+                detail.rattler[j] = 1;
                 loose.push_back(j);
             }
         }
     }
     std::int64_t held = 0;
-    for (std::size_t i = 0; i < count; ++i) held += rattles[i] ? 0 : holding[i];
+    for (std::size_t i = 0; i < count; ++i) {
+        if (detail.rattler[i] != 0) holding[i] = 0;
+        held += holding[i];
+    }
     const auto backbone = static_cast<std::int64_t>(count) - statistics.rattlers;
     if (backbone > 0) statistics.backbone_coordination = static_cast<double>(held) / static_cast<double>(backbone);
-    return statistics;
+    return detail;
+}
+
+ContactStatistics contact_statistics(const Packing& packing, OpenFaces faces, int threads) {
+    return contact_detail(packing, 1.0, faces, threads).all;
 }
 
 }  // namespace tomodem

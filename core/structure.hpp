@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -77,6 +78,15 @@ enum class Order : std::uint8_t { none, fcc, hcp, bcc, icosahedral };
 ///      045021, section 2.3
 std::vector<Order> common_neighbour_analysis(const NeighbourTable& neighbours, int threads = 1);
 
+/// Which points lie at a free surface, 1 or 0 each: those with fewer than 12 neighbours, and those with none within 60
+/// degrees of their outward vector, which is minus the sum of the unit vectors to the neighbours.
+///
+/// In a flat face that cone is empty up to 90 degrees; in a lattice or a random dense packing the widest empty one is
+/// of about 55, and no point has fewer than 12.
+///
+/// @param neighbours  cutoff of about 1.7 nearest distances
+std::vector<std::uint8_t> surface_points(const NeighbourTable& neighbours, int threads = 1);
+
 /// Bond-orientational order of the sixth degree.
 struct BondOrder {
     std::vector<double> q6;  ///< of each point; fcc 0.575, hcp 0.485, bcc 0.511 (14 bonds), icosahedron 0.663
@@ -94,13 +104,13 @@ BondOrder bond_order(const NeighbourTable& neighbours, double cutoff, double sol
 /// What lies beyond the faces of a box along its axes that are not periodic.
 enum class OpenFaces { free, walls };
 
-/// What the contacts (h < r_i + r_j) of a packing look like.
+/// What the contacts of a packing look like: pairs with h < r_i + r_j, or within another reach.
 struct ContactStatistics {
     std::int64_t contacts = 0;       ///< between particles
     std::int64_t wall_contacts = 0;  ///< those count for coordination and rattlers too
     double mean_coordination = 0.0;  ///< contacts of a particle
-    double max_overlap = 0.0;        ///< 1 - h / (r_i + r_j)
-    double mean_overlap = 0.0;       ///< over the contacts between particles; 0 without any
+    double max_overlap = 0.0;        ///< 1 - h / (r_i + r_j); 0 where nothing overlaps
+    double mean_overlap = 0.0;       ///< over the pairs of particles that overlap; 0 without any
     /// Particles that no force can hold: those with fewer than 4 contacts with others that are not rattlers.
     std::int64_t rattlers = 0;
     double backbone_coordination = 0.0;  ///< contacts of a particle among those that are not rattlers; 0 without any
@@ -108,5 +118,25 @@ struct ContactStatistics {
 
 /// @param packing  a periodic edge is at least two diameters of the largest sphere
 ContactStatistics contact_statistics(const Packing& packing, OpenFaces faces = OpenFaces::free, int threads = 1);
+
+/// Contacts between the particles of two labels, or of one.
+struct PairContacts {
+    std::int64_t contacts = 0;
+    double max_overlap = 0.0, mean_overlap = 0.0;  ///< as in ContactStatistics
+};
+
+/// The same of each particle and of each pair of labels.
+struct ContactDetail {
+    ContactStatistics all;
+    std::vector<std::int32_t> contacts;           ///< of each particle
+    std::vector<std::int32_t> backbone_contacts;  ///< of each particle with those that are not rattlers; of a rattler 0
+    std::vector<std::uint8_t> rattler;            ///< 1 or 0
+    std::map<std::array<std::int32_t, 2>, PairContacts> between;  ///< the lower label first; every pair that there is
+};
+
+/// @param packing  a periodic edge is at least 2 reach diameters of the largest sphere
+/// @param reach    a pair is in contact where h < reach (r_i + r_j): 1 for the seeds, r_c / r_s for the crowns
+ContactDetail contact_detail(const Packing& packing, double reach = 1.0, OpenFaces faces = OpenFaces::free,
+                             int threads = 1);
 
 }  // namespace tomodem
