@@ -348,12 +348,13 @@ struct PairSum {
 
 /// Labels in their order, and the place of each particle's one among them.
 struct Labels {
-    explicit Labels(const std::vector<std::int32_t>& species) : label(species), of_particle(species.size()) {
+    explicit Labels(const Packing& packing) : label(packing.species), of_particle(packing.size(), 0) {
         std::sort(label.begin(), label.end());
         label.erase(std::unique(label.begin(), label.end()), label.end());
-        for (std::size_t i = 0; i < species.size(); ++i)
-            of_particle[i] =
-                static_cast<std::uint32_t>(std::lower_bound(label.begin(), label.end(), species[i]) - label.begin());
+        if (label.empty()) label = {0};  // a packing without labels
+        for (std::size_t i = 0; i < packing.species.size(); ++i)
+            of_particle[i] = static_cast<std::uint32_t>(
+                std::lower_bound(label.begin(), label.end(), packing.species[i]) - label.begin());
     }
     std::vector<std::int32_t> label;
     std::vector<std::uint32_t> of_particle;
@@ -369,7 +370,7 @@ ContactDetail contact_detail(const Packing& packing, double reach, OpenFaces fac
     double largest = packing.seed_radius;
     if (!packing.radius.empty()) largest = *std::max_element(packing.radius.begin(), packing.radius.end());
     const NeighbourTable near(packing.position, packing.box, reach * 2.0 * largest, threads);
-    const Labels labels(packing.species);
+    const Labels labels(packing);
     const std::size_t kinds = labels.label.size();
 
     const auto overlap = [&](std::size_t i, std::size_t j) {

@@ -17,6 +17,8 @@ class Table {
     void add(std::vector<Cell> row);
     std::size_t rows() const { return rows_.size(); }
     std::string csv() const;
+    /// The rows as a JSON list of objects; names without their units, null where a number does not exist.
+    std::string json() const;
     /// Writes atomically. @throws InvalidInput if it cannot be written
     void write(const std::filesystem::path& path) const;
 
@@ -24,5 +26,8 @@ class Table {
     std::vector<std::string> columns_;
     std::vector<std::vector<Cell>> rows_;
 };
+
+/// A number, or the empty cell where it is not finite.
+Table::Cell number(double value);
 
 }  // namespace tomodem

@@ -342,5 +342,75 @@ TEST(ContactStatistics, LeaveOutALoneSphereAndWhatHangsOnIt) {
     EXPECT_EQ(contacts.contacts, 3 * 3 * 3 * 4 * 6 - 3 * 3 * 2 * 4 + 1);
 }
 
+/// Two labels in turns on a simple cubic lattice: every neighbour at distance 1 is of the other one.
+Packing rock_salt() {
+    Lattice made = lattice(Vec3::Constant(1.0), {Vec3(0, 0, 0)}, 6, 6, 6);
+    Packing packing = packing_of(made, 0.505);
+    packing.species.resize(packing.size());
+    for (std::size_t i = 0; i < packing.size(); ++i) {
+        const Vec3 p = packing.position[i] - made.box.origin;
+        packing.species[i] = 1 + std::int32_t(std::llround(p.sum())) % 2;
+    }
+    return packing;
+}
+
+TEST(ContactDetail, TellsWhichLabelsTouch) {
+    const ContactDetail detail = contact_detail(rock_salt());
+    EXPECT_EQ(detail.all.contacts, 216 * 3);
+    EXPECT_EQ(detail.between.size(), 1u);
+    const PairContacts& mixed = detail.between.at({1, 2});
+    EXPECT_EQ(mixed.contacts, 216 * 3);
+    EXPECT_NEAR(mixed.mean_overlap, 1.0 - 1.0 / 1.01, 1e-12);
+    EXPECT_THAT(detail.contacts, Each(6));
+    EXPECT_THAT(detail.backbone_contacts, Each(6));
+}
+
+TEST(ContactDetail, CountsWithinALongerReachButOverlapsOnlyWhereThereIsOne) {
+    const ContactDetail detail = contact_detail(rock_salt(), 1.5);  // 1.515: the 12 second neighbours too
+    EXPECT_THAT(detail.contacts, Each(18));
+    EXPECT_EQ(detail.between.at({1, 1}).contacts, 108 * 6);
+    EXPECT_EQ(detail.between.at({1, 1}).max_overlap, 0.0);
+    EXPECT_EQ(detail.between.at({2, 2}).contacts, 108 * 6);
+    EXPECT_EQ(detail.between.at({1, 2}).contacts, 216 * 3);
+    EXPECT_NEAR(detail.all.mean_overlap, 1.0 - 1.0 / 1.01, 1e-12);
+}
+
+TEST(ContactDetail, SaysWhichParticlesAreRattlers) {
+    Lattice made = fcc(3);
+    made.box.edges.z() += 3.0;
+    made.points.push_back(made.box.origin + Vec3(1.0, 1.0, made.box.edges.z() - 1.5));
+    const ContactDetail detail = contact_detail(packing_of(made, 0.501), 1.0, OpenFaces::free, 2);
+    EXPECT_EQ(std::count(detail.rattler.begin(), detail.rattler.end(), 1), 1);
+    EXPECT_EQ(detail.rattler.back(), 1);
+    EXPECT_EQ(detail.backbone_contacts.back(), 0);
+}
+
+TEST(SurfacePoints, AreNoneInAPeriodicLatticeShakenOrNot) {
+    for (const Lattice& made : {fcc(), hcp(), bcc(), shaken(fcc(), 0.03), shaken(bcc(), 0.03)}) {
+        const NeighbourTable near(made.points, made.box, 1.7);
+        EXPECT_THAT(surface_points(near, 2), Each(0));
+    }
+}
+
+TEST(SurfacePoints, AreTheOutermostLayersOfACrystal) {
+    Lattice made = shaken(fcc(6), 0.02);
+    made.box.periodic = {true, true, false};  // a slab of twelve layers
+    const auto surface = surface_points(NeighbourTable(made.points, made.box, 1.7));
+    for (std::size_t i = 0; i < made.points.size(); ++i) {
+        const auto layer = std::lround((made.points[i].z() - made.box.origin.z()) * std::numbers::sqrt2);
+        EXPECT_EQ(surface[i], layer == 0 || layer == 11 ? 1 : 0) << "layer " << layer;
+    }
+}
+
+TEST(SurfacePoints, AreAllOfASheetOrAChain) {
+    std::vector<Vec3> sheet, chain;
+    for (int i = 0; i < 8; ++i)
+        for (int j = 0; j < 8; ++j) sheet.emplace_back(i + 0.5 * (j % 2), j * std::sqrt(0.75), 0.0);
+    for (int i = 0; i < 9; ++i) chain.emplace_back(i, 0.0, 0.0);
+    const Box open{Vec3::Zero(), Vec3::Constant(10), {false, false, false}};
+    EXPECT_THAT(surface_points(NeighbourTable(sheet, open, 1.7)), Each(1));
+    EXPECT_THAT(surface_points(NeighbourTable(chain, open, 1.7)), Each(1));
+}
+
 }  // namespace
 }  // namespace tomodem

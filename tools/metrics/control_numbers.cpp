@@ -1,0 +1,192 @@
+// control_numbers: in which regime the packing of a run flows: density, stiffness level, inertia, agitation.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/cli.hpp"
+#include "core/error.hpp"
+#include "core/volume_parallel.hpp"
+#include "tools/metrics/control.hpp"
+#include "tools/metrics/run_frames.hpp"
+#include "tools/metrics/table.hpp"
+
+namespace {
+using namespace tomodem;
+
+struct Request {
+    std::filesystem::path run, table, curve;
+    std::string frames = "all";
+    double averaging_strain = 0.01;
+};
+
+cli::Usage usage(Request& request) {
+    return cli::Usage{"control_numbers",
+                      "Control numbers of a run: density, stiffness level, inertial number, Q, E_k / E_p."}
+        .input("RUN", request.run, "run written by solve (.h5)")
+        .output("TABLE", request.table, "for each frame a row of all particles and of each phase, to write (.csv)")
+        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
+        .option("--averaging-strain", request.averaging_strain, cli::Unit::strain, cli::not_negative,
+                "width of the window of strain over which energies are averaged (forces are, by the solver); 0: none")
+        .output_option("--curve", request.curve,
+                       "also write the numbers at every point of the curves, without density (.csv)")
+        .example("control_numbers run.h5 control.csv --curve control_curve.csv");
+}
+
+Table::Cell cell(const std::optional<double>& value) {
+    return value ? Table::Cell(*value) : Table::Cell();
+}
+
+/// Where a number leaves the range in which the method is known to be quasi-static (docs/measures.md).
+struct Limit {
+    double most;
+    const char* meaning;
+};
+constexpr Limit inertial_limit{
+    1e-2, "inertial number {:.2g} at strain {:.3g}, above {:g}: inertia counts; take a smaller strain_per_step"};
+constexpr Limit chi_limit{
+    6.0,
+    "rate t0^2 / time_step is {:.2g} at strain {:.3g}, above {:g}: packings of BILIN collapse there (thesis, 11.2)"};
+constexpr Limit agitation_limit{
+    0.1, "E_k / E_p is {:.2g} at strain {:.3g}, above {:g}: the packing is hot; take a smaller strain_per_step"};
+constexpr double least_stiffness_level = 10.0;
+
+struct Worst {
+    double value = 0.0, strain = 0.0;
+    void see(const std::optional<double>& number, double at) {
+        if (!number || *number <= value) return;
+        value = *number;
+        strain = at;
+    }
+    void warn_above(const Limit& limit) const {
+        if (value > limit.most) cli::warn(fmt::format(fmt::runtime(limit.meaning), value, strain, limit.most));
+    }
+};
+
+void warn_of_leaving(const ControlCurves& curves, const std::vector<PhaseConstants>& phases, std::size_t particles,
+                     double diameter) {
+    Worst inertial, agitation, softness, chi;
+    // While the stress builds up or changes its sign there is no flow yet.
+    const std::vector<double>& stress = curves.points.value.at("stress_true");
+    double largest = 0.0;
+    for (const double s : stress) largest = std::max(largest, std::abs(s));
+    for (std::size_t i = 0; i < stress.size(); ++i) {
+        const double strain = curves.points.strain[i];
+        if (std::abs(stress[i]) < 0.5 * largest) continue;
+        const ControlNumbers numbers = curves.at(curves.points.time[i], phases, particles, diameter);
+        inertial.see(numbers.greatest_inertial_number, strain);
+        agitation.see(numbers.kinetic_over_elastic, strain);
+        if (numbers.least_stiffness_level) softness.see(1.0 / *numbers.least_stiffness_level, strain);
+        for (const auto& phase : numbers.phases) chi.see(phase.chi, strain);
+    }
+    inertial.warn_above(inertial_limit);
+    agitation.warn_above(agitation_limit);
+    chi.warn_above(chi_limit);
+    if (softness.value > 1.0 / least_stiffness_level)
+        cli::warn(fmt::format(
+            "stiffness level {:.3g} at strain {:.3g}, below {:g}: particles overlap by more than a tenth of their "
+            "diameter",
+            1.0 / softness.value, softness.strain, least_stiffness_level));
+}
+
+void run(const Request& request) {
+    const RunFrames frames(request.run, request.frames);
+    const Packing& packing = frames.packing();
+    const ControlCurves curves(request.run, request.averaging_strain);
+    const std::vector<PhaseConstants> phases = phase_constants(frames);
+    const double diameter = 2.0 * packing.seed_radius;
+
+    const auto& chosen = frames.chosen();
+    std::vector<std::optional<Density>> density(chosen.size());
+    std::vector<double> flow(chosen.size());
+    cli::Progress progress("frames", double(chosen.size()));
+    std::atomic<int> done{0};
+    parallel_for(std::int64_t(chosen.size()), cli::threads(), [&](std::int64_t k) {
+        const Frame frame = frames.run().frame(chosen[std::size_t(k)]);
+        try {
+            density[std::size_t(k)] = deformed_density(frames.at(frame, chosen[std::size_t(k)]));
+        } catch (const InvalidInput& error) {
+            throw InvalidInput(fmt::format("frame {}: {}", chosen[std::size_t(k)], error.what()));
+        }
+        const double rate = curves.at(frame.time, phases, packing.size(), diameter).rate;
+        flow[std::size_t(k)] = flow_energy(frame.position, packing.species, frames.axis(), rate, phases, frame.time);
+        progress.update(++done);
+    });
+
+    Table table(
+        RunFrames::columns({"species [-]", "phase [-]", "particles [-]", "density [-]", "volume [mm^3]", "stress [Pa]",
+                            "rate [1/s]", "stiffness [uN/mm]", "mass [g]", "chi [-]", "stiffness_level [-]",
+                            "inertial_number [-]", "Q [-]", "kinetic_over_elastic [-]", "kinetic_over_flow [-]"}));
+    ControlNumbers last;
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+        const double time = frames.run().frame_time(chosen[k]);
+        last = curves.at(time, phases, packing.size(), diameter);
+        const double kinetic = PiecewiseLinear(curves.points.time, curves.points.value.at("kinetic_energy")).at(time);
+        const auto& d = density[k];
+        table.add(frames.row(chosen[k], {{},
+                                         {},
+                                         std::int64_t(packing.size()),
+                                         d ? Table::Cell(d->density) : Table::Cell(),
+                                         d ? Table::Cell(d->volume) : Table::Cell(),
+                                         last.stress,
+                                         last.rate,
+                                         {},
+                                         {},
+                                         {},
+                                         cell(last.least_stiffness_level),
+                                         cell(last.greatest_inertial_number),
+                                         cell(last.kinetic_number),
+                                         cell(last.kinetic_over_elastic),
+                                         flow[k] > 0.0 ? Table::Cell(kinetic / flow[k]) : Table::Cell()}));
+        for (const ControlNumbers::OfPhase& phase : last.phases)
+            table.add(frames.row(chosen[k],
+                                 {std::int64_t(phase.label),
+                                  frames.phase_name(phase.label),
+                                  std::int64_t(std::count(packing.species.begin(), packing.species.end(), phase.label)),
+                                  {},
+                                  {},
+                                  {},
+                                  {},
+                                  phase.stiffness,
+                                  phase.mass,
+                                  phase.chi > 0.0 ? Table::Cell(phase.chi) : Table::Cell(),
+                                  cell(phase.stiffness_level),
+                                  cell(phase.inertial_number),
+                                  {},
+                                  {},
+                                  {}}));
+    }
+    Table points({"time [s]", "strain [-]", "abs_strain [-]", "stress [Pa]", "rate [1/s]", "stiffness_level [-]",
+                  "inertial_number [-]", "Q [-]", "kinetic_over_elastic [-]"});
+    for (std::size_t i = 0; !request.curve.empty() && i < curves.points.time.size(); ++i) {
+        const ControlNumbers numbers = curves.at(curves.points.time[i], phases, packing.size(), diameter);
+        points.add({curves.points.time[i], curves.points.strain[i], std::abs(curves.points.strain[i]), numbers.stress,
+                    numbers.rate, cell(numbers.least_stiffness_level), cell(numbers.greatest_inertial_number),
+                    cell(numbers.kinetic_number), cell(numbers.kinetic_over_elastic)});
+    }
+    table.write(request.table);
+    if (!request.curve.empty()) points.write(request.curve);
+    warn_of_leaving(curves, phases, packing.size(), diameter);
+
+    cli::report("frames", std::int64_t(chosen.size()));
+    const auto report = [](const char* key, const std::optional<double>& value) {
+        if (value) cli::report(key, *value);
+    };
+    if (density.front()) cli::report("density_first", density.front()->density);
+    if (density.back()) cli::report("density_last", density.back()->density);
+    report("stiffness_level_last", last.least_stiffness_level);
+    report("inertial_number_last", last.greatest_inertial_number);
+    report("Q_last", last.kinetic_number);
+    report("kinetic_over_elastic_last", last.kinetic_over_elastic);
+    cli::report_json("rows", table.json());
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+    return cli::main(argc, argv, usage, run);
+}
