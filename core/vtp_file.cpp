@@ -53,7 +53,7 @@ std::string tag_of(Appended& appended, const PointArray& array) {
         [&](const auto& values) {
             using T = typename std::decay_t<decltype(values)>::value_type;
             const char* type = std::is_same_v<T, double> ? "Float64" : sizeof(T) == 4 ? "Int32" : "Int64";
-            return appended.tag(array.name, type, values);
+            return appended.tag(array.name, type, values, array.components);
         },
         array.values);
 }

@@ -12,10 +12,13 @@
 
 namespace tomodem {
 
-/// One value a point (or triangle), under the name that ParaView shows.
+/// One value, or row of them, a point (or triangle), under the name that ParaView shows.
+///
+/// Six components are a symmetric tensor in VTK's order: xx yy zz xy yz xz.
 struct PointArray {
     std::string name;
     std::variant<std::span<const double>, std::span<const std::int32_t>, std::span<const std::int64_t>> values;
+    int components = 1;
 };
 
 /// Writes VTK PolyData (.vtp, raw appended binary, little-endian) atomically: a surface, or points where there are no
@@ -23,7 +26,7 @@ struct PointArray {
 ///
 /// @param points     mm
 /// @param triangles  indices into points; may be empty
-/// @param arrays     each as long as points
+/// @param arrays     each a row for each point
 /// @param on_triangles  each as long as triangles; none where there are no triangles
 /// @throws InvalidInput if the file cannot be written
 /// @see   The VTK User's Guide, 11th ed. (2010), section 19.3 (XML file formats)

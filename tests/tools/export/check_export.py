@@ -11,6 +11,18 @@ import h5py
 import numpy as np
 
 
+def fields_of(particles):
+    return [name for name in particles if name not in ("position", "box") and "value" in particles[name]]
+
+
+def columns_of(particles, field):
+    count = particles[field]["value"].shape[2]
+    if field == "velocity":
+        return ["vx", "vy", "vz"]
+    endings = {1: [""], 3: ["_x", "_y", "_z"], 6: ["_xx", "_yy", "_zz", "_xy", "_xz", "_yz"]}[count]
+    return [field + ending for ending in endings]
+
+
 def check_dump(particles, frames, name):
     box = particles["box"]
     low = box["origin"][()]
@@ -24,11 +36,15 @@ def check_dump(particles, frames, name):
             assert head[2] == "ITEM: NUMBER OF ATOMS" and int(head[3]) == count
             assert head[4] == "ITEM: BOX BOUNDS " + " ".join(flags)
             assert np.array_equal([[float(word) for word in line.split()] for line in head[5:8]], bounds)
-            assert head[8] == "ITEM: ATOMS id type x y z radius object"
+            columns = [column for field in fields_of(particles) for column in columns_of(particles, field)]
+            assert head[8] == "ITEM: ATOMS " + " ".join(["id type x y z radius object"] + columns), head[8]
             rows = np.array([[float(word) for word in file.readline().split()] for _ in range(count)])
             compare(particles, frame, rows[:, 2:5], {"id": rows[:, 0], "species": rows[:, 1], "radius": rows[:, 5]})
             objects = particles["object"][()] if "object" in particles else np.zeros(count)
             assert np.array_equal(rows[:, 6], objects)
+            if columns:
+                expected = np.hstack([particles[field]["value"][frame] for field in fields_of(particles)])
+                assert np.array_equal(rows[:, 7:], expected, equal_nan=True), f"fields of frame {frame}"
         assert file.readline() == "", "more than the chosen frames"
 
 
@@ -45,6 +61,11 @@ def check_vtp(particles, frame, name):
     arrays = {point_data.GetArrayName(i): vtk_to_numpy(point_data.GetArray(i))
               for i in range(point_data.GetNumberOfArrays())}
     assert ("object" in arrays) == ("object" in particles)
+    for field in fields_of(particles):
+        expected, found = particles[field]["value"][frame], arrays.pop(field).reshape(len(particles["id"]), -1)
+        if expected.shape[1] == 6:  # VTK's order of a symmetric tensor
+            expected = expected[:, [0, 1, 2, 3, 5, 4]]
+        assert np.array_equal(found, expected, equal_nan=True), f"{field} of frame {frame}"
     compare(particles, frame, vtk_to_numpy(data.GetPoints().GetData()), arrays)
 
 

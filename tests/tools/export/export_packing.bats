@@ -90,3 +90,12 @@ setup() {
     [[ "$output" == "export_packing: cannot write 'disk/all.dump': No space left on device" ]]
     [ -z "$left" ]
 }
+
+@test "what was computed of the particles is in the dump and in the VTP" {
+    "$TOMODEM_BIN/../tests/write_sample_run" 7 3 plain.h5 fields.h5
+    "$export_packing" fields.h5 fields.dump
+    /usr/bin/python3 "$here/check_export.py" dump fields.h5 0,1,2 fields.dump
+    "$export_packing" --frames 2 fields.h5 fields.vtp
+    /usr/bin/python3 "$here/check_export.py" vtp fields.h5 2 fields.vtp
+    grep -q "ITEM: ATOMS id type x y z radius object pressure stress_xx" fields.dump
+}

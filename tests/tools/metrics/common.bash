@@ -38,3 +38,11 @@ fails() {
     [ ! -e out.csv ] || { echo "out.csv was written"; return 1; }
     [ -z "$(find . -name '.*part*')" ] || { echo "a partial file stayed"; return 1; }
 }
+
+# refused STATUS TEXT COMMAND...: as fails, for outputs of any name: nothing new is in the folder
+refused() {
+    local before
+    before=$(ls -A --ignore='separate-stderr-*')
+    fails "$@"
+    [ "$(ls -A --ignore='separate-stderr-*')" = "$before" ] || { echo "a file was written: $(ls -A)"; return 1; }
+}
