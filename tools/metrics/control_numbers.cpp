@@ -54,6 +54,8 @@ constexpr Limit chi_limit{
     "rate t0^2 / time_step is {:.2g} at strain {:.3g}, above {:g}: packings of BILIN collapse there (thesis, 11.2)"};
 constexpr Limit agitation_limit{
     0.1, "E_k / E_p is {:.2g} at strain {:.3g}, above {:g}: the packing is hot; take a smaller strain_per_step"};
+constexpr Limit heat_limit{
+    10.0, "E_k is {:.2g} times that of the flow at strain {:.3g}, above {:g}: the packing is hot (docs/norton.md)"};
 constexpr double least_stiffness_level = 10.0;
 
 struct Worst {
@@ -68,17 +70,21 @@ struct Worst {
     }
 };
 
+/// While the stress builds up or changes its sign there is no flow yet.
+bool flows(double stress, double largest) {
+    return stress >= 0.75 * largest;
+}
+
+/// Of BILIN and TRILIN; in law NORTON the cores hardly touch and the mass is chosen by the stress.
 void warn_of_leaving(const ControlCurves& curves, const std::vector<PhaseConstants>& phases, std::size_t particles,
                      double diameter) {
     Worst inertial, agitation, softness, chi;
-    // While the stress builds up or changes its sign there is no flow yet.
-    const std::vector<double>& stress = curves.points.value.at("stress_true");
     double largest = 0.0;
-    for (const double s : stress) largest = std::max(largest, std::abs(s));
-    for (std::size_t i = 0; i < stress.size(); ++i) {
+    for (const double stress : curves.points.value.at("stress_true")) largest = std::max(largest, std::abs(stress));
+    for (std::size_t i = 0; i < curves.points.time.size(); ++i) {
         const double strain = curves.points.strain[i];
-        if (std::abs(stress[i]) < 0.5 * largest) continue;
         const ControlNumbers numbers = curves.at(curves.points.time[i], phases, particles, diameter);
+        if (!flows(numbers.stress, largest)) continue;
         inertial.see(numbers.greatest_inertial_number, strain);
         agitation.see(numbers.kinetic_over_elastic, strain);
         if (numbers.least_stiffness_level) softness.see(1.0 / *numbers.least_stiffness_level, strain);
@@ -123,10 +129,12 @@ void run(const Request& request) {
                             "rate [1/s]", "stiffness [uN/mm]", "mass [g]", "chi [-]", "stiffness_level [-]",
                             "inertial_number [-]", "Q [-]", "kinetic_over_elastic [-]", "kinetic_over_flow [-]"}));
     ControlNumbers last;
+    Worst heat;
     for (std::size_t k = 0; k < chosen.size(); ++k) {
         const double time = frames.run().frame_time(chosen[k]);
         last = curves.at(time, phases, packing.size(), diameter);
         const double kinetic = PiecewiseLinear(curves.points.time, curves.points.value.at("kinetic_energy")).at(time);
+        if (flow[k] > 0.0) heat.see(kinetic / flow[k], frames.strain(chosen[k]).value_or(0.0));
         const auto& d = density[k];
         table.add(frames.row(chosen[k], {{},
                                          {},
@@ -171,7 +179,10 @@ void run(const Request& request) {
     }
     table.write(request.table);
     if (!request.curve.empty()) points.write(request.curve);
-    warn_of_leaving(curves, phases, packing.size(), diameter);
+    if (frames.scene()->law() == Law::norton)
+        heat.warn_above(heat_limit);
+    else
+        warn_of_leaving(curves, phases, packing.size(), diameter);
 
     cli::report("frames", std::int64_t(chosen.size()));
     const auto report = [](const char* key, const std::optional<double>& value) {
