@@ -56,6 +56,8 @@ constexpr Limit agitation_limit{
     0.1, "E_k / E_p is {:.2g} at strain {:.3g}, above {:g}: the packing is hot; take a smaller strain_per_step"};
 constexpr Limit heat_limit{
     10.0, "E_k is {:.2g} times that of the flow at strain {:.3g}, above {:g}: the packing is hot (docs/norton.md)"};
+constexpr Limit equilibrium_limit{
+    0.01, "the equilibrium error is {:.2g} on average, largest at strain {:.3g}, above {:g}: the thesis' limit (14.2)"};
 constexpr double least_stiffness_level = 10.0;
 
 struct Worst {
@@ -70,17 +72,43 @@ struct Worst {
     }
 };
 
+double largest_magnitude(const std::vector<double>& values) {
+    double largest = 0.0;
+    for (const double value : values) largest = std::max(largest, std::abs(value));
+    return largest;
+}
+
 /// While the stress builds up or changes its sign there is no flow yet.
 bool flows(double stress, double largest) {
-    return stress >= 0.75 * largest;
+    return stress > 0.0 && stress >= 0.75 * largest;
+}
+
+/// Mean of the equilibrium error where the packing flows.
+void warn_of_imbalance(const RunReader& run, const ControlCurves& curves) {
+    const auto found = run.observables().find("equilibrium_error");
+    if (found == run.observables().end()) return;
+    const std::vector<double>& stress = curves.points.value.at("stress_true");
+    const double largest = largest_magnitude(stress);
+    Worst worst;
+    double sum = 0.0;
+    int points = 0;
+    for (std::size_t i = 0; i < stress.size(); ++i) {
+        if (!flows(std::abs(stress[i]), largest)) continue;
+        const double error = value_at(found->second, curves.points.time[i]);
+        worst.see(error, curves.points.strain[i]);
+        sum += error;
+        ++points;
+    }
+    worst.value = points > 0 ? sum / points : 0.0;
+    cli::report("equilibrium_error", worst.value);
+    worst.warn_above(equilibrium_limit);
 }
 
 /// Of BILIN and TRILIN; in law NORTON the cores hardly touch and the mass is chosen by the stress.
 void warn_of_leaving(const ControlCurves& curves, const std::vector<PhaseConstants>& phases, std::size_t particles,
                      double diameter) {
     Worst inertial, agitation, softness, chi;
-    double largest = 0.0;
-    for (const double stress : curves.points.value.at("stress_true")) largest = std::max(largest, std::abs(stress));
+    const double largest = largest_magnitude(curves.points.value.at("stress_true"));
     for (std::size_t i = 0; i < curves.points.time.size(); ++i) {
         const double strain = curves.points.strain[i];
         const ControlNumbers numbers = curves.at(curves.points.time[i], phases, particles, diameter);
@@ -179,11 +207,6 @@ void run(const Request& request) {
     }
     table.write(request.table);
     if (!request.curve.empty()) points.write(request.curve);
-    if (frames.scene()->law() == Law::norton)
-        heat.warn_above(heat_limit);
-    else
-        warn_of_leaving(curves, phases, packing.size(), diameter);
-
     cli::report("frames", std::int64_t(chosen.size()));
     const auto report = [](const char* key, const std::optional<double>& value) {
         if (value) cli::report(key, *value);
@@ -194,6 +217,11 @@ void run(const Request& request) {
     report("inertial_number_last", last.greatest_inertial_number);
     report("Q_last", last.kinetic_number);
     report("kinetic_over_elastic_last", last.kinetic_over_elastic);
+    warn_of_imbalance(frames.run(), curves);
+    if (frames.scene()->law() == Law::norton)
+        heat.warn_above(heat_limit);
+    else
+        warn_of_leaving(curves, phases, packing.size(), diameter);
     cli::report_json("rows", table.json());
 }
 }  // namespace

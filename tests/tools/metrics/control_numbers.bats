@@ -33,6 +33,16 @@ control_numbers="$TOMODEM_BIN/control_numbers"
     [[ "$stderr" == *"inertial number 0.011"* ]]
 }
 
+@test "an equilibrium error above the thesis' one per cent is a warning" {
+    "$synthetic_fields" run.h5 field=0 cells=5 imbalance=0.009
+    run --separate-stderr "$control_numbers" run.h5 fine.csv --json out.json
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    close "$(value equilibrium_error out.json)" 0.009 1e-9
+    "$synthetic_fields" bad.h5 field=0 cells=5 imbalance=0.02
+    run --separate-stderr "$control_numbers" bad.h5 bad.csv
+    [[ "$stderr" == *"equilibrium error is 0.02 on average"* ]]
+}
+
 @test "two phases have rows of their own" {
     "$synthetic_fields" run.h5 field=0 phases=2
     "$control_numbers" run.h5 out.csv --frames last

@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
     std::map<std::string, double> value{{"cells", 6},     {"lattice", 1}, {"frames", 3},    {"strain", 0.3},
                                         {"turn", 0},      {"phases", 1},  {"stress", -100}, {"shear", 0},
                                         {"scene", 1},     {"curves", 1},  {"field", 1},     {"periodic", 0},
-                                        {"particles", 0}, {"kinetic", 1}};
+                                        {"particles", 0}, {"kinetic", 1}, {"imbalance", 0}};
     if (argc < 2) return 2;
     for (int i = 2; i < argc; ++i) {
         const std::string word = argv[i];
@@ -107,6 +107,7 @@ int main(int argc, char** argv) {
             add("stress_true", "Pa", i > 0 ? 1e6 * value["stress"] : 0.0);
             add("kinetic_energy", "nJ", value["kinetic"] * 64.0);
             add("potential_energy", "nJ", 32000.0);
+            add("equilibrium_error", "", value["imbalance"]);
         }
     writer.commit();
     if (bare == output) return 0;
