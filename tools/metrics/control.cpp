@@ -106,10 +106,16 @@ double flow_energy(const std::vector<Vec3>& positions, const std::vector<std::in
 }
 
 std::optional<Density> deformed_density(const Packing& packing) {
-    const AlphaSurface surface =
-        alpha_surface(packing.position, {.probe_radius = default_probe_radius(packing.seed_radius),
-                                         .progress = {},
-                                         .seed_radius = packing.seed_radius});
+    // Cut off at periodic sides: those that crossed one do not stick out.
+    std::vector<Vec3> centres = packing.position;
+    for (Vec3& p : centres)
+        for (int axis = 0; axis < 3; ++axis)
+            if (packing.box.periodic[axis])
+                p[axis] -= packing.box.edges[axis] *
+                           std::floor((p[axis] - packing.box.origin[axis]) / packing.box.edges[axis]);
+    const AlphaSurface surface = alpha_surface(centres, {.probe_radius = default_probe_radius(packing.seed_radius),
+                                                         .progress = {},
+                                                         .seed_radius = packing.seed_radius});
     Density result;
     double spheres = 0.0;
     for (std::size_t i = 0; i < packing.size(); ++i) {

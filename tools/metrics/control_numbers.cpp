@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -139,7 +139,8 @@ void run(const Request& request) {
     std::vector<std::optional<Density>> density(chosen.size());
     std::vector<double> flow(chosen.size());
     cli::Progress progress("frames", double(chosen.size()));
-    std::atomic<int> done{0};
+    std::mutex mutex;
+    double done = 0.0;
     parallel_for(std::int64_t(chosen.size()), cli::threads(), [&](std::int64_t k) {
         const Frame frame = frames.run().frame(chosen[std::size_t(k)]);
         try {
@@ -149,6 +150,7 @@ void run(const Request& request) {
         }
         const double rate = curves.at(frame.time, phases, packing.size(), diameter).rate;
         flow[std::size_t(k)] = flow_energy(frame.position, packing.species, frames.axis(), rate, phases, frame.time);
+        const std::scoped_lock lock(mutex);
         progress.update(++done);
     });
 

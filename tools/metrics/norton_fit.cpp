@@ -68,6 +68,7 @@ void run(const Request& request) {
         cli::note("two runs give no confidence interval; add a third");
     }
     cli::report("residual", fit.residual);
+    cli::report_json("rows", table.json());
 }
 }  // namespace
 

@@ -25,8 +25,7 @@ std::optional<double> RunFrames::strain(std::size_t frame) const {
 Box RunFrames::box(std::size_t frame) const {
     Box box = run_.packing().box;
     if (!scene_) return box;
-    for (int axis = 0; axis < 3; ++axis)
-        box.periodic[axis] = box.periodic[axis] && scene_->lateral != Lateral::free && axis != scene_->axis;
+    for (int axis = 0; axis < 3; ++axis) box.periodic[axis] = scene_->lateral != Lateral::free && axis != scene_->axis;
     const auto section = run_.observables().find("section");
     if (scene_->lateral == Lateral::free || section == run_.observables().end()) return box;
     const int a = (scene_->axis + 1) % 3, b = (scene_->axis + 2) % 3;

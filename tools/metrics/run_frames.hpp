@@ -28,8 +28,8 @@ class RunFrames {
     int axis() const { return scene_ ? scene_->axis : 2; }
     /// True strain at a frame, where the run has the curve; 0 of a file of one frame.
     std::optional<double> strain(std::size_t frame) const;
-    /// The box that a frame really has. A run's own one is that of its sample: a load is between two planes, and
-    /// across it between free sides, or periodic ones whose edges follow the section.
+    /// The box that a frame really has. The one in a run's file is that of its sample, without periodic sides: across
+    /// the load they are free, or periodic and their edges follow the section, as the scene says.
     Box box(std::size_t frame) const;
     /// The packing at a frame.
     Packing at(const Frame& positions, std::size_t frame) const;

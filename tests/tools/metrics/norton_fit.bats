@@ -9,6 +9,10 @@ load common
     close "$(value M_low out.json)" "$(value M_high out.json)" 1e-8
     [ "$(head -1 out.csv)" = "run,rate [1/s],flow_stress [MPa],fit [MPa],deviation [-]" ]
     close "$(column "flow_stress [MPa]" out.csv | tail -1)" 170.1 1e-3
+    /usr/bin/python3 -c '
+import json
+rows = json.load(open("out.json"))["rows"]
+assert [row["run"] for row in rows] == ["run1e-4.h5", "run3e-4.h5", "run1e-3.h5"] and abs(rows[2]["deviation"]) < 1e-9'
 }
 
 @test "two runs give no interval" {

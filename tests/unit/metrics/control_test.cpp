@@ -132,8 +132,8 @@ using FramesFile = InTemporaryFolder;
 TEST_F(FramesFile, KnowTheBoxThatPeriodicSidesHaveNow) {
     const auto path = folder / "run.h5";
     Packing packing = synthetic::sample(synthetic::cube(5, 1.0));
-    packing.box.periodic = {true, true, true};
     for (const bool lateral : {false, true}) {
+        packing.box.periodic = {!lateral, !lateral, !lateral};  // neither is what the scene says
         std::string scene = scene_text;
         if (lateral) scene.insert(scene.find("axis"), "lateral = \"periodic\"\n");
         RunWriter writer(packing, path,

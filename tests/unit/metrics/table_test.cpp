@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace tomodem {
 namespace {
 
@@ -21,6 +23,15 @@ TEST(Table, QuotesAComma) {
     Table table({"run"});
     table.add({std::string("rate 1,5 \"fast\".h5")});
     EXPECT_EQ(table.csv(), "run\n\"rate 1,5 \"\"fast\"\".h5\"\n");
+}
+
+TEST(Table, IsAJsonListOfRowsUnderTheNamesWithoutUnits) {
+    Table table({"run", "rate [1/s]", "points [-]", "last"});
+    table.add({std::string("a \"b\\.h5"), 0.001, std::int64_t(12), Table::Cell()});
+    table.add({std::string("c"), std::nan(""), std::int64_t(-1), 0.1});
+    EXPECT_EQ(table.json(), R"([{"run":"a \"b\\.h5","rate":0.001,"points":12,"last":null},)"
+                            R"({"run":"c","rate":null,"points":-1,"last":0.1}])");
+    EXPECT_EQ(Table({"a"}).json(), "[]");
 }
 
 }  // namespace
