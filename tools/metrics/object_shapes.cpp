@@ -6,20 +6,9 @@
 #include <map>
 
 #include "core/error.hpp"
+#include "core/scene.hpp"
 
 namespace tomodem {
-
-Vec3 second_moments(std::span<const Vec3> centres, std::span<const std::size_t> members) {
-    Vec3 mean = Vec3::Zero(), moments = Vec3::Zero();
-    for (const std::size_t i : members) mean += centres[i] / double(members.size());
-    for (const std::size_t i : members) moments += (centres[i] - mean).cwiseAbs2() / double(members.size());
-    return moments;
-}
-
-double shape_factor(const Vec3& second_moments, int axis) {
-    const Vec3 root = second_moments.cwiseSqrt();
-    return root[axis] / (0.5 * (root[(axis + 1) % 3] + root[(axis + 2) % 3]));
-}
 
 namespace {
 
@@ -30,6 +19,12 @@ bool at_boundary(const Packing& packing, const Object& object, const Vec3& low, 
         if ((p - low).minCoeff() < diameter || (high - p).minCoeff() < diameter) return true;
     }
     return false;
+}
+
+/// All centres in one plane, which may lie askew.
+bool flat(const Packing& packing, const Object& object) {
+    const Ellipsoid ellipsoid = ellipsoid_of(second_moments(packing.position, object.members));
+    return ellipsoid.semi_axis[2] <= 1e-6 * ellipsoid.semi_axis[0];
 }
 
 }  // namespace
@@ -58,11 +53,12 @@ ChosenObjects choose_objects(const Packing& packing, const ObjectChoice& choice)
     std::size_t largest = 0;
     for (auto& [number, object] : objects) {
         largest = std::max(largest, object.members.size());
-        const Vec3 moments = second_moments(packing.position, object.members);
-        const bool flat = moments.minCoeff() <= 1e-12 * moments.maxCoeff();
-        if (object.members.size() < choice.min_particles || flat)
+        if (object.members.size() < choice.min_particles || flat(packing, object)) {
             ++result.too_small;
-        else if (choice.exclude_boundary && at_boundary(packing, object, low, high))
+            continue;
+        }
+        object.at_boundary = at_boundary(packing, object, low, high);
+        if (choice.exclude_boundary && object.at_boundary)
             ++result.at_boundary;
         else
             result.used.push_back(std::move(object));
@@ -73,6 +69,11 @@ ChosenObjects choose_objects(const Packing& packing, const ObjectChoice& choice)
                         "particles, --min-particles is {}), {} touch the boundary",
                         objects.size(), result.too_small, largest, choice.min_particles, result.at_boundary));
     return result;
+}
+
+int load_axis(const RunReader& run, const std::filesystem::path& file) {
+    const std::string& scene = run.provenance().scene;
+    return scene.empty() ? 2 : parse_scene(scene, file.string()).axis;
 }
 
 Spread plain_spread(std::span<const double> values) {

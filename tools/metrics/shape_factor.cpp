@@ -9,7 +9,6 @@
 
 #include "core/cli.hpp"
 #include "core/packing_file.hpp"
-#include "core/scene.hpp"
 #include "tools/metrics/object_shapes.hpp"
 #include "tools/metrics/strain_curves.hpp"
 #include "tools/metrics/table.hpp"
@@ -43,12 +42,6 @@ std::string json(const std::optional<double>& value) {
 
 Table::Cell cell(const std::optional<double>& value) {
     return value ? Table::Cell(*value) : Table::Cell();
-}
-
-/// Axis of the load, by the scene that the run holds; z for a sample.
-int load_axis(const RunReader& reader, const std::filesystem::path& file) {
-    const std::string& scene = reader.provenance().scene;
-    return scene.empty() ? 2 : parse_scene(scene, file.string()).axis;
 }
 
 void run(const Request& request) {

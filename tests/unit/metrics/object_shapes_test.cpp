@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include <numeric>
-
 #include "core/error.hpp"
 #include "tests/unit/metrics/synthetic_run.hpp"
 
@@ -12,45 +10,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-double shape_factor_of(const std::vector<Vec3>& centres) {
-    std::vector<std::size_t> all(centres.size());
-    std::iota(all.begin(), all.end(), 0);
-    return shape_factor(second_moments(centres, all));
-}
-
-TEST(ShapeFactor, TakesTheHeightAlongTheLoadAxis) {
-    const Vec3 moments(9, 1, 4);
-    EXPECT_DOUBLE_EQ(shape_factor(moments, 2), 2 / 2.0);
-    EXPECT_DOUBLE_EQ(shape_factor(moments, 0), 3 / 1.5);
-    EXPECT_DOUBLE_EQ(shape_factor(moments, 1), 1 / 2.5);
-    EXPECT_DOUBLE_EQ(shape_factor(moments), shape_factor(moments, 2));
-}
-
-TEST(ShapeFactor, OfAnEllipsoidIsItsHeightOverItsMeanWidth) {
-    const std::vector<Vec3> centres = synthetic::ellipsoid({4.0, 6.0, 3.0}, 0.2, {7, 8, 9});
-    ASSERT_GT(centres.size(), 30000u);
-    EXPECT_NEAR(shape_factor_of(centres), 3.0 / 5.0, 1e-3);
-}
-
-TEST(ShapeFactor, OfASphereIsOne) {
-    EXPECT_NEAR(shape_factor_of(synthetic::ellipsoid({5, 5, 5}, 0.2)), 1.0, 1e-3);
-}
-
-TEST(ShapeFactor, FollowsAnIsochoricCompressionExactly) {
-    const std::vector<Vec3> sphere = synthetic::ellipsoid({5, 5, 5}, 0.5);
-    EXPECT_NEAR(shape_factor_of(synthetic::deformed(sphere, -0.3)) / shape_factor_of(sphere), std::exp(-0.45), 1e-12);
-}
-
-TEST(SecondMoments, OfAnEllipsoidAreAFifthOfTheSquaredAxes) {
-    const std::vector<Vec3> centres = synthetic::ellipsoid({4.0, 6.0, 3.0}, 0.2);
-    std::vector<std::size_t> all(centres.size());
-    std::iota(all.begin(), all.end(), 0);
-    const Vec3 moments = second_moments(centres, all);
-    EXPECT_NEAR(moments.x(), 16.0 / 5.0, 0.02);
-    EXPECT_NEAR(moments.y(), 36.0 / 5.0, 0.02);
-    EXPECT_NEAR(moments.z(), 9.0 / 5.0, 0.02);
-}
 
 /// A block of matrix with three objects: one inside, one at a face, one of 8 particles.
 Packing block_with_objects() {
@@ -85,6 +44,21 @@ TEST(ChooseObjects, LeavesOutThoseAtTheBoxWhereTheSampleBulgesBeyondIt) {
     const ChosenObjects objects = choose_objects(packing, {.min_particles = 8, .exclude_boundary = true});
     ASSERT_EQ(objects.used.size(), 1u);
     EXPECT_EQ(objects.used[0].number, 5);
+}
+
+TEST(ChooseObjects, LeavesOutAFlatObjectThatLiesAskew) {
+    Packing packing = block_with_objects();
+    std::vector<Vec3> sheet = synthetic::cube(5, 0.5, {3, 3, 3});
+    std::erase_if(sheet, [](const Vec3& p) { return p.z() != 3.0; });
+    for (Vec3& p : sheet) p = Vec3(p.x(), p.y(), 0.3 * p.x() + 0.7 * p.y());
+    synthetic::add_object(packing, sheet, 9);
+    EXPECT_EQ(choose_objects(packing, {}).too_small, 2u);
+}
+
+TEST(ChooseObjects, TellsThoseAtTheFaceThatItKeeps) {
+    const ChosenObjects objects = choose_objects(block_with_objects(), {});
+    EXPECT_FALSE(objects.used[0].at_boundary);
+    EXPECT_TRUE(objects.used[1].at_boundary);
 }
 
 TEST(ChooseObjects, LeavesOutAFlatObject) {
