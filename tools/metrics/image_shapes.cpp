@@ -8,73 +8,85 @@
 #include <limits>
 #include <numbers>
 
+#include "core/cli.hpp"
 #include "core/error.hpp"
 #include "core/volume_cli.hpp"
+#include "core/volume_parallel.hpp"
 #include "tools/vol2pack/regions.hpp"
 
 namespace tomodem {
 namespace {
 
-/// Where a number is in a sorted list; remembers the last one asked for.
+/// Where a number is in a sorted list.
 class Places {
  public:
-    explicit Places(std::span<const std::int32_t> numbers) : numbers_(numbers) {}
+    explicit Places(std::span<const std::int32_t> numbers) : numbers_(numbers) {
+        if (numbers.empty() || numbers.front() < 0) return;
+        const auto last = static_cast<std::size_t>(numbers.back());
+        if (last > std::max<std::size_t>(65535, 16 * numbers.size())) return;  // few and far between
+        place_.assign(last + 1, -1);
+        for (std::size_t i = 0; i < numbers.size(); ++i) place_[numbers[i]] = static_cast<std::int32_t>(i);
+    }
     /// -1: not in the list
-    std::int32_t of(std::int32_t number) {
-        if (number == last_) return place_;
-        last_ = number;
+    std::int32_t of(std::int32_t number) const {
+        if (!place_.empty())
+            return number >= 0 && static_cast<std::size_t>(number) < place_.size() ? place_[number] : -1;
         const auto found = std::lower_bound(numbers_.begin(), numbers_.end(), number);
         const bool there = found != numbers_.end() && *found == number;
-        return place_ = there ? static_cast<std::int32_t>(found - numbers_.begin()) : -1;
+        return there ? static_cast<std::int32_t>(found - numbers_.begin()) : -1;
     }
 
  private:
     std::span<const std::int32_t> numbers_;
-    std::int32_t last_ = std::numeric_limits<std::int32_t>::min(), place_ = -1;
+    std::vector<std::int32_t> place_;  // of each number, where that does not take much
 };
 
-void add_row(const std::int32_t* row, std::int32_t width, std::int64_t y, std::int64_t z, Places& places,
-             std::vector<VoxelSums>& sums) {
+/// Voxels x0 .. x1 - 1 of a row that have one number; the runs of a row cover it.
+struct Run {
+    std::int32_t x0, x1, number, place;
+};
+
+void collect_runs(const std::int32_t* row, std::int32_t width, const Places& places, std::vector<Run>& runs) {
+    runs.clear();
     for (std::int32_t x = 0; x < width;) {
         const std::int32_t x0 = x, number = row[x];
         while (++x < width && row[x] == number) {
         }
-        const std::int32_t place = places.of(number);
-        if (place < 0) continue;
-        VoxelSums& of = sums[place];
-        const std::int64_t n = x - x0, first = x0, last = x - 1;
-        const std::int64_t s = n * (first + last) / 2;
-        const auto squares_to = [](std::int64_t m) { return m * (m + 1) * (2 * m + 1) / 6; };
-        const std::int64_t s2 = squares_to(last) - (first > 0 ? squares_to(first - 1) : 0);
-        const VoxelIndex low{x0, static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)};
-        const VoxelIndex high{x - 1, low[1], low[2]};
-        for (int c = 0; c < 3; ++c) {
-            of.low[c] = of.voxels == 0 ? low[c] : std::min(of.low[c], low[c]);
-            of.high[c] = of.voxels == 0 ? high[c] : std::max(of.high[c], high[c]);
-        }
-        of.voxels += n;
-        const std::array<std::int64_t, 3> sum{s, n * y, n * z};
-        const std::array<std::int64_t, 6> squares{s2, n * y * y, n * z * z, s * y, s * z, n * y * z};
-        for (int c = 0; c < 3; ++c) of.sum[c] += sum[c];
-        for (int c = 0; c < 6; ++c) of.squares[c] += squares[c];
+        runs.push_back({x0, x, number, places.of(number)});
     }
 }
 
-/// Counts where the rows a and b differ, b moved by dx.
-void add_borders(const std::int32_t* a, const std::int32_t* b, std::int32_t width, std::int32_t dx, int step,
-                 Places& places, Places& places_b, std::vector<VoxelSums>& sums) {
-    const std::int32_t from = std::max(0, -dx), to = std::min(width, width - dx);
-    constexpr std::int32_t block = 64;  // compared as a whole first: most of an image has no borders
-    for (std::int32_t x0 = from; x0 < to; x0 += block) {
-        const std::int32_t x1 = std::min(to, x0 + block);
-        std::int32_t differ = 0;
-        for (std::int32_t x = x0; x < x1; ++x) differ |= a[x] ^ b[x + dx];
-        if (differ == 0) continue;
-        for (std::int32_t x = x0; x < x1; ++x) {
-            if (a[x] == b[x + dx]) continue;
-            if (const std::int32_t place = places.of(a[x]); place >= 0) ++sums[place].borders[step];
-            if (const std::int32_t place = places_b.of(b[x + dx]); place >= 0) ++sums[place].borders[step];
+void add_runs(const std::vector<Run>& runs, std::int64_t y, std::int64_t z, std::vector<VoxelSums>& sums) {
+    const auto squares_to = [](std::int64_t m) { return m * (m + 1) * (2 * m + 1) / 6; };
+    for (const Run& run : runs) {
+        if (run.place < 0) continue;
+        const std::int64_t n = run.x1 - run.x0, first = run.x0, last = run.x1 - 1;
+        const std::int64_t s = n * (first + last) / 2;
+        const std::int64_t s2 = squares_to(last) - (first > 0 ? squares_to(first - 1) : 0);
+        VoxelSums of_run;
+        of_run.voxels = n;
+        of_run.sum = {s, n * y, n * z};
+        of_run.squares = {s2, n * y * y, n * z * z, s * y, s * z, n * y * z};
+        of_run.low = {run.x0, static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)};
+        of_run.high = {run.x1 - 1, of_run.low[1], of_run.low[2]};
+        sums[run.place] += of_run;
+    }
+}
+
+/// Counts where row a at x differs from row b at x + dx.
+void add_borders(const std::vector<Run>& a, const std::vector<Run>& b, std::int32_t dx, std::size_t step,
+                 std::vector<VoxelSums>& sums) {
+    for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+        const Run &of_a = a[i], &of_b = b[j];
+        const std::int32_t both = std::min(of_a.x1, of_b.x1 - dx) - std::max(of_a.x0, of_b.x0 - dx);
+        if (both > 0 && of_a.number != of_b.number) {
+            if (of_a.place >= 0) sums[of_a.place].borders[step] += both;
+            if (of_b.place >= 0) sums[of_b.place].borders[step] += both;
         }
+        if (of_a.x1 < of_b.x1 - dx)
+            ++i;
+        else
+            ++j;
     }
 }
 
@@ -95,39 +107,67 @@ bool flat(const ImageBody& body) {
 
 }  // namespace
 
+VoxelSums& VoxelSums::operator+=(const VoxelSums& other) {
+    if (other.voxels > 0)
+        for (int c = 0; c < 3; ++c) {
+            low[c] = voxels == 0 ? other.low[c] : std::min(low[c], other.low[c]);
+            high[c] = voxels == 0 ? other.high[c] : std::max(high[c], other.high[c]);
+        }
+    voxels += other.voxels;
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += other.sum[i];
+    for (std::size_t i = 0; i < squares.size(); ++i) squares[i] += other.squares[i];
+    for (std::size_t i = 0; i < borders.size(); ++i) borders[i] += other.borders[i];
+    return *this;
+}
+
 std::vector<VoxelSums> voxel_sums(const LabelVolume& volume, std::span<const std::int32_t> numbers) {
     const VoxelIndex size = volume.size();
     const double longest = std::max({size[0], size[1], size[2]});
     if (longest * longest * size[0] * size[1] * size[2] > 9e18)
         throw InvalidInput(fmt::format("an image of {} x {} x {} voxels is too large to be summed: crop or bin it",
                                        size[0], size[1], size[2]));
-    std::vector<VoxelSums> sums(numbers.size());
-    Places places(numbers), places_b(numbers);
+    // Each thread has a share of the rows and sums of its own, as long as those take less than a GiB.
+    const auto all = static_cast<std::int64_t>(std::max<std::size_t>(1, numbers.size()) * sizeof(VoxelSums));
+    const std::int64_t shares = std::clamp<std::int64_t>((std::int64_t{1} << 30) / all, 1, cli::threads());
+    const Places places(numbers);
+    std::vector<std::vector<VoxelSums>> sums(shares, std::vector<VoxelSums>(numbers.size()));
     const std::int64_t width = size[0], page = width * size[1];
-    std::vector<std::int32_t> labels, below;  // the slice before a slab
+    const std::int32_t height = size[1];
+    std::vector<std::int32_t> labels;
+    // Of the slice before a slab, and of its own slices after that.
+    std::vector<std::vector<Run>> rows(std::size_t(height) * (LabelVolume::slab + 1));
+    const auto row = [&](std::int32_t slice, std::int32_t y) -> std::vector<Run>& {
+        return rows[std::size_t(slice) * height + y];
+    };
+    const auto share_rows = [&](const auto& work) {
+        parallel_for(shares, static_cast<int>(shares), [&](std::int64_t of) {
+            const auto from = static_cast<std::int32_t>(height * of / shares);
+            const auto to = static_cast<std::int32_t>(height * (of + 1) / shares);
+            for (std::int32_t y = from; y < to; ++y) work(y, sums[of]);
+        });
+    };
     for (std::int32_t k = 0; k < size[2]; k += LabelVolume::slab) {
         const std::int32_t count = std::min(LabelVolume::slab, size[2] - k);
         volume.slices(k, count, labels);
-        for (std::int32_t i = 0; i < count; ++i) {
-            const std::int32_t* const slice = labels.data() + i * page;
-            const std::int32_t* const before = i > 0 ? slice - page : k > 0 ? below.data() : nullptr;
-            for (std::int32_t y = 0; y < size[1]; ++y) {
-                const std::int32_t* const row = slice + y * width;
-                add_row(row, size[0], y, k + i, places, sums);
+        share_rows([&](std::int32_t y, std::vector<VoxelSums>& own) {
+            for (std::int32_t i = 0; i < count; ++i) {
+                collect_runs(labels.data() + i * page + y * width, size[0], places, row(i + 1, y));
+                add_runs(row(i + 1, y), y, k + i, own);
+            }
+        });
+        share_rows([&](std::int32_t y, std::vector<VoxelSums>& own) {
+            for (std::int32_t i = 0; i < count; ++i)
                 for (std::size_t step = 0; step < pair_steps.size(); ++step) {
                     const auto& [dx, dy, dz] = pair_steps[step];
-                    if (dz == 0) {
-                        if (y + dy < size[1])
-                            add_borders(row, row + dy * width, size[0], dx, int(step), places, places_b, sums);
-                    } else if (before && y - dy >= 0 && y - dy < size[1]) {
-                        add_borders(before + (y - dy) * width, row, size[0], dx, int(step), places, places_b, sums);
-                    }
+                    if (y + dy < 0 || y + dy >= height || k + i < dz) continue;
+                    add_borders(row(i + 1 - dz, y), row(i + 1, y + dy), dx, step, own);
                 }
-            }
-        }
-        below.assign(labels.begin() + (count - 1) * page, labels.end());
+        });
+        for (std::int32_t y = 0; y < height; ++y) std::swap(row(0, y), row(count, y));
     }
-    return sums;
+    for (std::size_t of = 1; of < sums.size(); ++of)
+        for (std::size_t i = 0; i < numbers.size(); ++i) sums[0][i] += sums[of][i];
+    return std::move(sums[0]);
 }
 
 std::array<double, 13> crofton_weights(const Vec3& spacing) {

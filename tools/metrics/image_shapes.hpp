@@ -20,6 +20,8 @@ struct VoxelSums {
     /// beyond a face of the image is no neighbour.
     std::array<std::int64_t, 13> borders{};
     VoxelIndex low{}, high{};  ///< first and last voxel along each axis
+
+    VoxelSums& operator+=(const VoxelSums& other);
 };
 
 /// Half of the 26 neighbours of a voxel; the other half is opposite.
@@ -30,7 +32,7 @@ inline constexpr std::array<VoxelIndex, 13> pair_steps{
 /// Sums over the voxels of each of some numbers (labels, or components).
 /// @param numbers  rising
 /// @throws InvalidInput if the image is too large for whole numbers of 64 bits
-/// @note   one pass; two slices and the sums beside the volume
+/// @note   one pass; a slab, and the sums for each thread beside the volume
 std::vector<VoxelSums> voxel_sums(const LabelVolume& volume, std::span<const std::int32_t> numbers);
 
 /// Share of the sphere that is nearest to each of the 13 directions.
