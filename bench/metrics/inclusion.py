@@ -4,7 +4,7 @@
 A ball of phase B (a fifth of the volume) in the middle of a cube of phase A is pressed to a true strain of -0.3 at
 1e-3 /s, several packings of each size; the reference is the mean of the largest.
 
-usage: inclusion.py BIN [--most PARTICLES] [--packings N] [--processes N]
+usage: inclusion.py BIN [--out FOLDER] [--most PARTICLES] [--packings N] [--processes N]
 """
 import argparse
 import json
@@ -37,11 +37,14 @@ VOXELS, SHARE, DENSITY = 120, 0.2, 0.65
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("bin", type=pathlib.Path, help="folder of the executables")
+parser.add_argument("--out", type=pathlib.Path, help="folder of inclusion.csv [BIN/../bench]")
 parser.add_argument("--most", type=int, default=20000, help="largest number of particles in the inclusion")
 parser.add_argument("--packings", type=int, default=5)
 parser.add_argument("--processes", default="2")
 options = parser.parse_args()
 tools = options.bin.resolve()
+out = (options.out or options.bin / "../bench").resolve()
+out.mkdir(parents=True, exist_ok=True)
 os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
 
 
@@ -80,7 +83,10 @@ with tempfile.TemporaryDirectory() as folder:
                   f"+- {last.std():.4f}", flush=True)
 reference = results[max(results)][:, 2].mean()
 print(f"\nerror against {reference:.4f} [%]")
+lines = ["particles,error_mean [%],error_deviation [%],error_root_mean_square [%]"]
 for particles, of_size in results.items():
     error = 100 * (of_size[:, 2] / reference - 1)
+    lines.append(f"{of_size[:, 0].mean():.0f},{error.mean():.3f},{error.std():.3f},{np.sqrt((error**2).mean()):.3f}")
     print(f"{of_size[:, 0].mean():8.0f}  mean {error.mean():+6.2f}  deviation {error.std():5.2f}  root mean square "
           f"{np.sqrt((error**2).mean()):5.2f}")
+(out / "inclusion.csv").write_text("\n".join(lines) + "\n")

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """S_f of ellipsoids cut out of random packings, against their particles: what object_shapes measures, and the same with
-d^2/20 a particle added to the moments.
+d^2/20 a particle added to the moments. The plot also shows what inclusion.py left in FOLDER.
 
 usage: shape_factor.py BIN [--out FOLDER] [--places N] [--most PARTICLES]
 """
@@ -19,7 +19,7 @@ from ellipsoid_packing import ellipsoid, read_brick, write_objects
 
 FACTORS = (0.3, 0.6, 1.0, 1.7, 3.0)
 PARTICLES = (100, 200, 500, 1000, 2000, 5000, 10000, 20000)
-# Read off the thesis' figure 12.9b by its text: S_f of a deformed inclusion against one of 1e5 particles.
+# What the thesis' text says of its figure 12.9b: S_f of a pressed inclusion against one of 1e5 particles.
 THESIS = ((500, 10.0), (2000, 1.0))
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -104,7 +104,12 @@ for density, colour in ((0.64, "tab:blue"), (0.70, "tab:orange")):
                 "o-", color=colour, label=f"one ellipsoid, D = {density:.2f}")
     axes.loglog(counts, [100 * max(abs(r["error_added"]) for r in rows) for rows in chosen], ":", color=colour,
                 label=f"bias with d²/20 added, D = {density:.2f}")
-axes.loglog(*zip(*THESIS), "ks", label="thesis, after a strain of 0.3")
+if (out / "inclusion.csv").exists():
+    pressed = list(csv.DictReader(open(out / "inclusion.csv")))[:-1]  # the last is the reference
+    axes.loglog([float(row["particles"]) for row in pressed],
+                [float(row["error_root_mean_square [%]"]) for row in pressed], "D-", color="tab:green",
+                label="pressed inclusion, strain 0.3")
+axes.loglog(*zip(*THESIS), "ks", label="thesis, pressed inclusion")
 axes.set_xlabel("particles")
 axes.set_ylabel("error of S_f [%]")
 axes.grid(which="both", alpha=0.3)

@@ -213,8 +213,10 @@ void report_matches(const std::vector<Match>& matches) {
 void report_phases(const Comparison& comparison) {
     cli::report("voxels_equal", 100.0 * double(comparison.equal) / double(comparison.voxels), "%");
     nlohmann::ordered_json phases = nlohmann::ordered_json::array();
+    bool common = false;
     for (const auto& [label, phase] : comparison.phase) {
-        cli::report(fmt::format("dice_label_{}", label), phase.dice());
+        common = common || (label != 0 && phase.run > 0 && phase.image > 0);
+        if (label != 0 || phase.image > 0) cli::report(fmt::format("dice_label_{}", label), phase.dice());
         phases.push_back({{"label", label},
                           {"dice", phase.dice()},
                           {"iou", phase.iou()},
@@ -222,6 +224,7 @@ void report_phases(const Comparison& comparison) {
                           {"fraction_image", double(phase.image) / double(comparison.voxels)}});
     }
     cli::report_json("phases", phases.dump());
+    if (!common) cli::warn("the image and the run have no label in common: name those of the image by --relabel");
     cli::report("closed_porosity_run", 100.0 * comparison.run_porosity, "%");
     cli::report("closed_porosity_image", 100.0 * comparison.image_porosity, "%");
 }
