@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "core/error.hpp"
@@ -146,6 +147,10 @@ TEST(Compare, AnObjectWithoutAnotherIsListed) {
     ASSERT_EQ(two.comparison.matches.size(), 3u);
     EXPECT_EQ(two.comparison.matches[2].by, MatchedBy::run_only);
     EXPECT_EQ(two.comparison.matches[2].run->number, 3);
+    const PhaseOverlap& balls_of = two.comparison.phase.at(2);
+    const double voxel = std::pow(edge / 60, 3), missing = 4.0 / 3.0 * std::numbers::pi * 27;
+    EXPECT_NEAR(voxel * double(balls_of.run - balls_of.image) / missing, 1.0, 0.1);
+    EXPECT_EQ(two.comparison.equal, two.comparison.phase.at(1).both + balls_of.both);
     Packing sample = packing();
     for (std::size_t i = 0; i < sample.size(); ++i)
         if (sample.object[i] == 3) {
