@@ -364,7 +364,7 @@ struct Share {
 
 /// The particles next to those at a void are chosen by having small tetrahedra around them, which makes their share too
 /// small; with every layer that is left out the bias falls.
-constexpr std::int32_t deepest = 4;
+constexpr std::int32_t deepest = deepest_centre;
 using Shares = std::array<Share, deepest + 1>;  // of the particles of at least that depth
 
 /// Fewer particles than this say too little of a body.
@@ -436,6 +436,8 @@ void measure_bodies(Delaunay& delaunay, const std::vector<double>& volumes, cons
         for (int i = 0; i < 4; ++i) {
             const VertexInfo& info = cell->vertex(i)->info();
             for (std::int32_t d = 1; d <= info.depth; ++d) shares[number][d].volume += size / 4.0;
+            surface.share[info.centre] += size / 4.0;
+            surface.depth[info.centre] = static_cast<std::int8_t>(info.depth);
             std::int32_t& body = surface.body_of_centre[info.centre];
             if (body < 0 || number < body) body = number;
         }
@@ -557,6 +559,8 @@ AlphaSurface alpha_surface(std::span<const Vec3> centres, const AlphaSurfaceOpti
 
     AlphaSurface surface;
     surface.body_of_centre.assign(centres.size(), -1);
+    surface.share.assign(centres.size(), 0.0);
+    surface.depth.assign(centres.size(), 0);
     const std::vector<Facet> facets = surface_facets(delaunay);
     const std::vector<std::int32_t> across = opposite_half_edges(facets);
     Voids voids = number_voids(delaunay, facets, across);

@@ -36,6 +36,8 @@ struct Body {
     std::int64_t euler_characteristic() const { return 2 * (shells - genus); }
 };
 
+inline constexpr std::int32_t deepest_centre = 4;
+
 /// Alpha shape of a set of points: its surface and its measures.
 struct AlphaSurface {
     TriangleMesh mesh;               ///< outward oriented; voids inside have surfaces of their own
@@ -53,6 +55,9 @@ struct AlphaSurface {
     std::vector<std::vector<std::int32_t>> centres_of_pore;  ///< around each pore, increasing
     double inside_volume = 0.0;  ///< mm^3 a particle that lies within the matter, mean; 0: none does
     std::vector<bool> outside;   ///< is the centre at the void outside?
+    std::vector<double> share;   ///< mm^3 of each centre: a quarter of each filled tetrahedron around it
+    /// Edges from each centre to the nearest one at a void, at most deepest_centre: near a void shares are too small.
+    std::vector<std::int8_t> depth;
 };
 
 /// Probe radius that fills the gaps of a dense packing and enters every void that a particle could stand in: one

@@ -54,9 +54,10 @@ double closed_porosity(const LabelVolume& volume, Connectivity connectivity) {
 
 }  // namespace
 
-std::vector<RunBody> measure_objects(const Packing& packing, const std::vector<Object>& objects, int axis) {
+std::vector<RunBody> measure_objects(const Packing& packing, const AlphaSurface& surface,
+                                     const std::vector<Object>& objects, int axis) {
     const double box_share = packing.box.volume() / double(packing.size());
-    const std::vector<ObjectVolume> volumes = object_volumes(packing.position, objects, packing.seed_radius, box_share);
+    const std::vector<ObjectVolume> volumes = object_volumes(surface, objects, box_share);
     std::vector<RunBody> bodies;
     for (std::size_t i = 0; i < objects.size(); ++i) {
         const Object& object = objects[i];
@@ -81,12 +82,12 @@ const char* name_of(MatchedBy matched) {
     return "image_only";
 }
 
-Comparison compare(const Packing& packing, const std::vector<RunBody>& bodies, const LabelVolume& image,
-                   const ImageObjects& objects, Connectivity connectivity, int threads) {
+Comparison compare(const Packing& packing, const AlphaSurface& surface, const std::vector<RunBody>& bodies,
+                   const LabelVolume& image, const ImageObjects& objects, Connectivity connectivity, int threads) {
     Comparison result;
     const VoxelIndex size = image.size();
     result.voxels = std::int64_t{size[0]} * size[1] * size[2];
-    const VoxelisedRun run = voxelise(packing, {size, image.spacing(), image.origin()}, threads);
+    const VoxelisedRun run = voxelise(packing, surface, {size, image.spacing(), image.origin()}, threads);
 
     for (const auto& [labels, voxels] : count_pairs(image, run.species)) {
         result.phase[labels.first].image += voxels;

@@ -20,7 +20,9 @@ struct RunBody {
     Shape shape;
 };
 /// @param packing  its positions are those of the frame
-std::vector<RunBody> measure_objects(const Packing& packing, const std::vector<Object>& objects, int axis);
+/// @param surface  surface_of_all of them
+std::vector<RunBody> measure_objects(const Packing& packing, const AlphaSurface& surface,
+                                     const std::vector<Object>& objects, int axis);
 
 enum class MatchedBy { overlap, centre, run_only, image_only };
 const char* name_of(MatchedBy matched);
@@ -54,11 +56,11 @@ struct Comparison {
 /// centres are nearer than the sum of the radii of balls of their volumes, so that the sum of the nearness (1: same
 /// place, 0: that far) is largest.
 ///
-/// @param packing  of the frame
+/// @param packing  of the frame, and @param surface as above
 /// @param image    labels, where the run is
 /// @param objects  measured in that image; @param bodies  in the run
-Comparison compare(const Packing& packing, const std::vector<RunBody>& bodies, const LabelVolume& image,
-                   const ImageObjects& objects, Connectivity connectivity, int threads);
+Comparison compare(const Packing& packing, const AlphaSurface& surface, const std::vector<RunBody>& bodies,
+                   const LabelVolume& image, const ImageObjects& objects, Connectivity connectivity, int threads);
 
 /// Centre of what is not void [mm].
 Vec3 centre_of_matter(const LabelVolume& image);

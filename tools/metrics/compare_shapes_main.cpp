@@ -256,8 +256,10 @@ void run(const Request& request) {
     }
     require_same_place(image, packing);
     const ImageObjects objects = image_objects(image, labels, {request.min_voxels, request.exclude_boundary, axis});
-    const std::vector<RunBody> bodies = measure_objects(packing, chosen.used, axis);
-    const Comparison comparison = compare(packing, bodies, image, objects, labels.connectivity, cli::threads());
+    const AlphaSurface surface = surface_of_all(packing.position, packing.seed_radius);
+    const std::vector<RunBody> bodies = measure_objects(packing, surface, chosen.used, axis);
+    const Comparison comparison =
+        compare(packing, surface, bodies, image, objects, labels.connectivity, cli::threads());
 
     write_pairs(comparison.matches, request.table);
     cli::report("frame", frame);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/cli.hpp"
+#include "core/error.hpp"
 #include "core/packing_file.hpp"
 #include "core/volume_parallel.hpp"
 #include "tools/export/export_frames.hpp"
@@ -40,6 +41,15 @@ cli::Usage usage(Request& request) {
         .example("object_shapes run.h5 ellipsoids.csv --frames last --json ellipsoids.json");
 }
 
+/// Empty where nothing is enclosed: the particles are far apart, or in one plane.
+AlphaSurface surface_or_none(const std::vector<Vec3>& position, double seed_radius) {
+    try {
+        return surface_of_all(position, seed_radius);
+    } catch (const InvalidInput&) {
+        return {};
+    }
+}
+
 /// The objects of one frame, in their order.
 struct Measured {
     std::vector<Shape> shapes;
@@ -57,7 +67,7 @@ std::vector<Measured> measure(const RunReader& reader, const std::vector<Object>
     parallel_for(std::int64_t(frames.size()), cli::threads(), [&](std::int64_t k) {
         const std::vector<Vec3> position = reader.frame(frames[k]).position;
         Measured& of_frame = measured[k];
-        of_frame.volumes = object_volumes(position, objects, packing.seed_radius, box_share);
+        of_frame.volumes = object_volumes(surface_or_none(position, packing.seed_radius), objects, box_share);
         for (std::size_t i = 0; i < objects.size(); ++i) {
             const std::vector<std::size_t>& members = objects[i].members;
             of_frame.shapes.push_back(shape_of(mean_of(position, members), of_frame.volumes[i].volume,
@@ -94,14 +104,12 @@ void run(const Request& request) {
         columns.push_back(column);
     Table table(columns);
     std::string json;
-    std::int64_t not_own = 0;
     for (std::size_t k = 0; k < frames.size(); ++k) {
         const double strain = frame_strain(reader, frames[k]);
         for (std::size_t i = 0; i < objects.size(); ++i) {
             const Object& object = objects[i];
             const Shape& shape = measured[k].shapes[i];
             const ShareOf share = measured[k].volumes[i].share;
-            not_own += share != ShareOf::own;
             std::vector<Table::Cell> row{std::int64_t(frames[k]),
                                          reader.frame_time(frames[k]),
                                          strain,
@@ -145,7 +153,6 @@ void run(const Request& request) {
     cli::report("shape_factor_last", mean(measured.back()));
     cli::report("volume_first", volume(measured.front()), "mm^3");
     cli::report("volume_last", volume(measured.back()), "mm^3");
-    cli::report("volumes_by_others", not_own);
     cli::report_json("shapes", "[" + json + "]");
 }
 }  // namespace

@@ -3,28 +3,34 @@
 #include <vector>
 
 #include "core/packing.hpp"
+#include "tools/mesh_recon/alpha_surface.hpp"
 #include "tools/metrics/object_shapes.hpp"
 
 namespace tomodem {
 
+/// The alpha shape of all particles of a frame, by a probe of one diameter.
+/// @throws InvalidInput as alpha_surface
+AlphaSurface surface_of_all(std::span<const Vec3> position, double seed_radius);
+
 /// The volume that a particle of an object stands for.
 enum class ShareOf {
-    own,     ///< mean over the particles inside that object: its corrected volume, as mesh_recon gives it
-    others,  ///< mean over those inside the other objects: the object has too few inside
-    box,     ///< box volume over all particles: no object has enough
+    all,      ///< each its own: all particles of the object are inside the matter
+    inside,   ///< the mean of those that are as deep inside as there are enough
+    species,  ///< the object has too few inside: the mean over those of its species
+    box,      ///< there are too few of those too: box volume over all particles
 };
 const char* name_of(ShareOf share);
 
 struct ObjectVolume {
-    double volume = 0.0;  ///< its particles times that share [mm^3]
+    double volume = 0.0;  ///< [mm^3]
     ShareOf share = ShareOf::box;
 };
 
-/// Volume of each object up to where its material ends, at one frame.
-/// @param position   of all particles
+/// Volume of each object up to where its material ends: half way to the particles beside it, or at the edge of all
+/// matter (docs/measures.md, corrected volume). The share of a particle is a quarter of each tetrahedron around it.
+/// @param surface    surface_of_all at that frame; empty: nothing is enclosed
 /// @param box_share  mm^3 a particle, where nothing better is known
-/// @note  one Delaunay triangulation an object, about 7 us a particle
-std::vector<ObjectVolume> object_volumes(std::span<const Vec3> position, std::span<const Object> objects,
-                                         double seed_radius, double box_share);
+std::vector<ObjectVolume> object_volumes(const AlphaSurface& surface, std::span<const Object> objects,
+                                         double box_share);
 
 }  // namespace tomodem

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/volume_parallel.hpp"
-#include "tools/mesh_recon/alpha_surface.hpp"
 
 namespace tomodem {
 namespace {
@@ -194,10 +193,9 @@ void for_each_row_inside(const TriangleMesh& mesh, const Grid& grid, int threads
     });
 }
 
-VoxelisedRun voxelise(const Packing& packing, const Grid& grid, int threads) {
+VoxelisedRun voxelise(const Packing& packing, const AlphaSurface& surface, const Grid& grid, int threads) {
     const double diameter = default_probe_radius(packing.seed_radius);
-    const TriangleMesh edge = edge_of_matter(alpha_surface(
-        packing.position, {.probe_radius = diameter, .progress = {}, .seed_radius = packing.seed_radius}));
+    const TriangleMesh edge = edge_of_matter(surface);
     VoxelisedRun result{LabelVolume(grid.size, grid.spacing, grid.origin),
                         LabelVolume(grid.size, grid.spacing, grid.origin), edge.volume()};
 

@@ -5,6 +5,7 @@
 #include "core/mesh.hpp"
 #include "core/packing.hpp"
 #include "core/volume.hpp"
+#include "tools/mesh_recon/alpha_surface.hpp"
 
 /// A frame of a run as a label image: what a tomograph would see of it.
 namespace tomodem {
@@ -25,8 +26,8 @@ struct VoxelisedRun {
 /// where the material ends; it then has the labels of the nearest particle.
 ///
 /// @param packing  its positions are those of the frame
-/// @throws InvalidInput as alpha_surface
-VoxelisedRun voxelise(const Packing& packing, const Grid& grid, int threads);
+/// @param surface  surface_of_all of them
+VoxelisedRun voxelise(const Packing& packing, const AlphaSurface& surface, const Grid& grid, int threads);
 
 /// Calls row(j, k, i0, i1) for the voxels i0 .. i1 - 1 of each row whose centres lie in a closed surface, which may
 /// cross itself: a point is inside where the surface goes around it more often outward than inward.

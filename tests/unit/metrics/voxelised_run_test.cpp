@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "tests/unit/metrics/synthetic_run.hpp"
+#include "tools/metrics/object_volumes.hpp"
 
 namespace tomodem {
 namespace {
@@ -64,7 +65,8 @@ TEST(RowsInside, OfAHoleAreNotThere) {
 
 TEST(Voxelise, ABallOfParticlesHasTheVolumeOfTheRegionTheyWereTakenFrom) {
     const Packing packing = synthetic::sample(synthetic::ellipsoid({8, 8, 8}, 1.0, {9, 9, 9}));
-    const VoxelisedRun run = voxelise(packing, {{45, 45, 45}, Vec3::Constant(0.4), Vec3::Zero()}, 2);
+    const AlphaSurface surface = surface_of_all(packing.position, packing.seed_radius);
+    const VoxelisedRun run = voxelise(packing, surface, {{45, 45, 45}, Vec3::Constant(0.4), Vec3::Zero()}, 2);
     const double truth = 4.0 / 3.0 * std::numbers::pi * 512;
     EXPECT_NEAR(run.matter / truth, 1.0, 0.01);
     EXPECT_NEAR(double(run.species.histogram().at(1)) * 0.064 / run.matter, 1.0, 0.005);
@@ -78,7 +80,8 @@ TEST(Voxelise, AVoxelHasTheLabelsOfTheNearestParticle) {
             packing.species[i] = 2;
             packing.object[i] = 4;
         }
-    const VoxelisedRun run = voxelise(packing, {{22, 22, 22}, Vec3::Constant(0.5), Vec3::Constant(-0.5)}, 2);
+    const AlphaSurface surface = surface_of_all(packing.position, packing.seed_radius);
+    const VoxelisedRun run = voxelise(packing, surface, {{22, 22, 22}, Vec3::Constant(0.5), Vec3::Constant(-0.5)}, 2);
     // The interface is half way between x = 5 and 6, and material ends half a spacing beyond the outermost centres.
     const LabelVolume::Sampler species(run.species), object(run.object);
     EXPECT_EQ(species.at({11, 11, 11}), 1);
@@ -91,7 +94,8 @@ TEST(Voxelise, AVoxelHasTheLabelsOfTheNearestParticle) {
 TEST(Voxelise, IsTheSameOnAnyNumberOfThreads) {
     const Packing packing = synthetic::sample(synthetic::ellipsoid({5, 4, 6}, 0.9));
     const Grid grid{{20, 20, 80}, {0.6, 0.7, 0.2}, {-6, -6, -8}};
-    const VoxelisedRun one = voxelise(packing, grid, 1), four = voxelise(packing, grid, 4);
+    const AlphaSurface surface = surface_of_all(packing.position, packing.seed_radius);
+    const VoxelisedRun one = voxelise(packing, surface, grid, 1), four = voxelise(packing, surface, grid, 4);
     std::vector<std::int32_t> of_one, of_four;
     one.species.slices(0, 80, of_one);
     four.species.slices(0, 80, of_four);
