@@ -1,62 +1,77 @@
 #include "tools/metrics/assignment.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
-#include <map>
-#include <numeric>
+#include <queue>
 #include <tuple>
 
 namespace tomodem {
 namespace {
 
-/// Columns that rows get so that the sum of the costs is least. @param cost  rows <= columns
-std::vector<std::size_t> cheapest_columns(const std::vector<std::vector<double>>& cost) {
-    const std::size_t rows = cost.size(), columns = cost.front().size();
-    constexpr double infinite = std::numeric_limits<double>::infinity();
-    // Place 0 of each list stands for "none"; rows and columns are counted from 1.
-    std::vector<double> row_price(rows + 1, 0.0), column_price(columns + 1, 0.0);
-    std::vector<std::size_t> row_of(columns + 1, 0), before(columns + 1, 0);
-    for (std::size_t row = 1; row <= rows; ++row) {
-        std::vector<double> least(columns + 1, infinite);
-        std::vector<bool> reached(columns + 1, false);
-        std::size_t column = 0;
-        row_of[0] = row;
-        while (row_of[column] != 0) {
-            reached[column] = true;
-            const std::size_t from = row_of[column];
-            std::size_t next = 0;
-            double step = infinite;
-            for (std::size_t j = 1; j <= columns; ++j) {
-                if (reached[j]) continue;
-                const double reduced = cost[from - 1][j - 1] - row_price[from] - column_price[j];
-                if (reduced < least[j]) {
-                    least[j] = reduced;
-                    before[j] = column;
-                }
-                if (least[j] < step) {
-                    step = least[j];
-                    next = j;
-                }
+/// A right that a left can have, and what it costs; the last one of each left costs nothing: to stay alone.
+struct Edge {
+    std::size_t right;
+    double cost;
+};
+
+/// Rights of the lefts so that the sum of the costs is least: each left in turn takes the cheapest way of exchanges
+/// that ends at a right that nobody has. Prices keep the costs on the way from being negative.
+std::vector<std::size_t> cheapest_rights(const std::vector<std::vector<Edge>>& edges, std::size_t rights) {
+    constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+    constexpr double far = std::numeric_limits<double>::infinity();
+    std::vector<double> left_price(edges.size(), 0.0), right_price(rights, 0.0), distance(rights, far);
+    std::vector<std::size_t> left_of(rights, none), right_of(edges.size(), none), from(rights, none);
+    std::vector<bool> settled(rights, false);
+    for (std::size_t i = 0; i < edges.size(); ++i)
+        for (const Edge& edge : edges[i]) left_price[i] = std::min(left_price[i], edge.cost);
+
+    for (std::size_t start = 0; start < edges.size(); ++start) {
+        using Reached = std::pair<double, std::size_t>;
+        std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
+        std::vector<std::size_t> touched, on_the_way;
+        const auto look_from = [&](std::size_t left, double way) {
+            for (const auto& [right, cost] : edges[left]) {
+                const double next = way + cost - left_price[left] - right_price[right];
+                if (settled[right] || !(next < distance[right])) continue;
+                if (distance[right] == far) touched.push_back(right);
+                distance[right] = next;
+                from[right] = left;
+                queue.emplace(next, right);
             }
-            for (std::size_t j = 0; j <= columns; ++j) {
-                if (reached[j]) {
-                    row_price[row_of[j]] += step;
-                    column_price[j] -= step;
-                } else {
-                    least[j] -= step;
-                }
+        };
+        look_from(start, 0.0);
+        std::size_t end = none;
+        while (end == none) {
+            const auto [way, right] = queue.top();
+            queue.pop();
+            if (settled[right]) continue;
+            settled[right] = true;
+            if (left_of[right] == none) {
+                end = right;
+            } else {
+                on_the_way.push_back(right);
+                look_from(left_of[right], way);
             }
-            column = next;
         }
-        while (column != 0) {
-            row_of[column] = row_of[before[column]];
-            column = before[column];
+        const double whole = distance[end];
+        left_price[start] += whole;
+        for (const std::size_t right : on_the_way) {
+            left_price[left_of[right]] += whole - distance[right];
+            right_price[right] -= whole - distance[right];
+        }
+        for (std::size_t right = end; right != none;) {
+            const std::size_t left = from[right], before = right_of[left];
+            left_of[right] = left;
+            right_of[left] = right;
+            right = left == start ? none : before;
+        }
+        for (const std::size_t right : touched) {
+            distance[right] = far;
+            settled[right] = false;
         }
     }
-    std::vector<std::size_t> column_of(rows, 0);
-    for (std::size_t j = 1; j <= columns; ++j)
-        if (row_of[j] != 0) column_of[row_of[j] - 1] = j - 1;
-    return column_of;
+    return right_of;
 }
 
 std::vector<std::int32_t> sorted_unique(std::vector<std::int32_t> values) {
@@ -82,46 +97,15 @@ std::vector<std::pair<std::int32_t, std::int32_t>> best_pairs(std::vector<Candid
     }
     lefts = sorted_unique(lefts);
     rights = sorted_unique(rights);
+    std::vector<std::vector<Edge>> edges(lefts.size());
+    for (const Candidate& candidate : candidates)
+        edges[place(lefts, candidate.left)].push_back({place(rights, candidate.right), -candidate.score});
+    for (std::size_t i = 0; i < lefts.size(); ++i) edges[i].push_back({rights.size() + i, 0.0});
 
-    // What no candidate connects is assigned apart.
-    std::vector<std::size_t> parent(lefts.size() + rights.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](std::size_t i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    };
-    for (const Candidate& candidate : candidates) {
-        const std::size_t a = root(place(lefts, candidate.left));
-        const std::size_t b = root(lefts.size() + place(rights, candidate.right));
-        parent[std::max(a, b)] = std::min(a, b);
-    }
-    std::map<std::size_t, std::vector<Candidate>> groups;
-    for (const Candidate& candidate : candidates) groups[root(place(lefts, candidate.left))].push_back(candidate);
-
+    const std::vector<std::size_t> right_of = cheapest_rights(edges, rights.size() + lefts.size());
     std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
-    for (const auto& [first, group] : groups) {
-        std::vector<std::int32_t> own_lefts, own_rights;
-        for (const Candidate& candidate : group) {
-            own_lefts.push_back(candidate.left);
-            own_rights.push_back(candidate.right);
-        }
-        own_lefts = sorted_unique(own_lefts);
-        own_rights = sorted_unique(own_rights);
-        const bool turned = own_lefts.size() > own_rights.size();
-        const std::vector<std::int32_t>& rows = turned ? own_rights : own_lefts;
-        const std::vector<std::int32_t>& columns = turned ? own_lefts : own_rights;
-        std::vector<std::vector<double>> cost(rows.size(), std::vector<double>(columns.size(), 0.0));
-        for (const Candidate& candidate : group)
-            cost[place(rows, turned ? candidate.right : candidate.left)]
-                [place(columns, turned ? candidate.left : candidate.right)] = -candidate.score;
-        const std::vector<std::size_t> column_of = cheapest_columns(cost);
-        for (std::size_t row = 0; row < rows.size(); ++row) {
-            if (cost[row][column_of[row]] == 0.0) continue;
-            const std::int32_t column = columns[column_of[row]];
-            pairs.emplace_back(turned ? column : rows[row], turned ? rows[row] : column);
-        }
-    }
-    std::sort(pairs.begin(), pairs.end());
+    for (std::size_t i = 0; i < lefts.size(); ++i)
+        if (right_of[i] < rights.size()) pairs.emplace_back(lefts[i], rights[right_of[i]]);
     return pairs;
 }
 

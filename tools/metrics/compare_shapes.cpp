@@ -137,7 +137,7 @@ Comparison compare(const Packing& packing, const AlphaSurface& surface, const st
     for (const RunBody& of_run : bodies)
         for (const ImageBody& of_image : objects.used) {
             if (done_run.contains(of_run.number) || done_image.contains(of_image.number)) continue;
-            const double reach = ball_radius(of_run.shape.volume) + ball_radius(of_image.shape.volume);
+            const double reach = 2.0 * (ball_radius(of_run.shape.volume) + ball_radius(of_image.shape.volume));
             const double distance = (of_run.shape.centre - of_image.shape.centre).norm();
             if (distance < reach) candidates.push_back({of_run.number, of_image.number, 1.0 - distance / reach});
         }

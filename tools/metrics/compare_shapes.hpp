@@ -53,8 +53,8 @@ struct Comparison {
 };
 
 /// Pairs of objects: first those that share voxels, so that the sum of dice() is largest, then of the rest those whose
-/// centres are nearer than the sum of the radii of balls of their volumes, so that the sum of the nearness (1: same
-/// place, 0: that far) is largest.
+/// centres are nearer than twice the sum of the radii of balls of their volumes, so that the sum of the nearness (1:
+/// same place, 0: that far) is largest.
 ///
 /// @param packing  of the frame, and @param surface as above
 /// @param image    labels, where the run is

@@ -59,5 +59,18 @@ TEST(BestPairs, AreAsGoodAsTheBestOfAllPermutationsInAnyOrder) {
     }
 }
 
+TEST(BestPairs, OfAShiftedChainOfThousandsAreThoseShifted) {
+    // A chain in which each could have its own or the next one's, as in a scan that is shifted.
+    std::vector<Candidate> candidates;
+    for (std::int32_t i = 0; i < 20000; ++i) {
+        candidates.push_back({i, i, 0.5});
+        candidates.push_back({i, i + 1, 0.51});
+        candidates.push_back({i, i + 141, 0.4});
+    }
+    const auto pairs = best_pairs(candidates);
+    ASSERT_EQ(pairs.size(), 20000u);
+    for (const auto& [left, right] : pairs) ASSERT_EQ(right, left + 1);
+}
+
 }  // namespace
 }  // namespace tomodem

@@ -124,9 +124,9 @@ TEST(Compare, ARunStretchedAsTheImageIsStillTheSame) {
 }
 
 TEST(Compare, WhatNoLongerOverlapsIsMatchedByItsCentre) {
-    // The second ball's particles a radius and a half away, into what was matrix.
+    // The first ball lies further away than its diameter, in what was matrix.
     Packing sample = packing();
-    const Vec3 way(0, 6.5, 0);
+    const Vec3 way(0, 7.5, 0);
     for (std::size_t i = 0; i < sample.size(); ++i) {
         if (sample.object[i] == 1) sample.object[i] = 0;
         if (sample.object[i] == 0) sample.species[i] = 1;
@@ -138,9 +138,12 @@ TEST(Compare, WhatNoLongerOverlapsIsMatchedByItsCentre) {
         }
     const Compared moved = compared(sample, image());
     const Match& first = moved.comparison.matches.front();
-    ASSERT_EQ(first.by, MatchedBy::overlap);  // the ends of the two still touch: 6.5 < 3.5 + 3.5
+    ASSERT_EQ(first.by, MatchedBy::centre);
+    EXPECT_EQ(first.run->number, 1);
+    EXPECT_EQ(first.image->number, 1);
     EXPECT_NEAR((first.run->shape.centre - first.image->shape.centre - way).norm(), 0.0, 0.15);
-    EXPECT_LT(first.dice, 0.1);
+    EXPECT_EQ(first.dice, 0.0);
+    EXPECT_EQ(moved.comparison.matches[1].by, MatchedBy::overlap);
 }
 
 TEST(Compare, AnObjectWithoutAnotherIsListed) {
