@@ -283,9 +283,10 @@ class Page:
         if not self.events:
             return text + "<p>Nothing merged, split, opened or closed on the way.</p>"
         shown = self.events[:MOST_ROWS]
+        unit, factor = self.run.unit
         rows = [
             (html.escape(one["name"]), f"{fixed(one['strain_before'], 3)} to {fixed(one['strain'], 3)}", one["frame"],
-             ", ".join(number(1000 * value, 4) for value in one["place"]), f"{number(1e9 * one['volume'])}")
+             ", ".join(number(factor * value, 4) for value in one["place"]), number(factor**3 * one["volume"]))
             for one in shown
         ]
         attributes = [f' data-view-frame="{one["view_frame"]}" title="show this frame"' for one in shown]
@@ -293,7 +294,8 @@ class Page:
         more = f"<p>The first {count(len(shown))} of {count(len(self.events))}; the others are in topology_events.csv.</p>"
         return (
             text + f"<h3>{plural(len(self.events), 'event')}</h3>"
-            + table(["event", "true strain", "seen in frame", "place x, y, z [µm]", "volume [µm³]"], rows, attributes=attributes)
+            + table(["event", "true strain", "seen in frame", f"place x, y, z [{unit}]", f"volume [{unit}³]"], rows,
+                    attributes=attributes)
             + more * (rest > 0)
         )
 
@@ -358,13 +360,14 @@ class Page:
         first, last = (columns["frame"] == frame for frame in (min(columns["frame"]), max(columns["frame"])))
         before = dict(zip(columns["object"][first], columns["shape_factor"][first]))
         rows = []
+        unit, factor = self.run.unit
         for k in np.flatnonzero(last)[:MOST_ROWS]:
             name = int(columns["object"][k])
             start = before.get(columns["object"][k], np.nan)
             rows.append((f'<i style="background:{object_colour(name)}"></i>{name}', count(int(columns["particles"][k])),
-                         number(1e9 * columns["volume_estimate"][k]), fixed(start, 3), fixed(columns["shape_factor"][k], 3),
+                         number(factor**3 * columns["volume_estimate"][k]), fixed(start, 3), fixed(columns["shape_factor"][k], 3),
                          fixed(columns["shape_factor"][k] / start, 3)))
-        head = ["object", "particles", "volume [µm³]", "shape factor before", "after", "after / before"]
+        head = ["object", "particles", f"volume [{unit}³]", "shape factor before", "after", "after / before"]
         return "<h3>Objects</h3>" + table(head, rows)
 
     def errors(self):
@@ -413,6 +416,8 @@ class Page:
             name = html.escape(self.run.path.name)
             xdmf = html.escape(self.run.path.with_suffix(".xdmf").name)
             made = f"tomodem {html.escape(origin.version)}. " if origin.version else ""
+            # A folder that was made for this page is gone by now; where it was says nothing.
+            commands = [line.replace(f"{self.shop.folder}/", "") for line in commands]
             parts.append(f"<h2 id=commands>Commands</h2><p>{made}<code>{name}</code> is H5MD, <code>{xdmf}</code> opens it in "
                          f"ParaView.</p><pre>{html.escape(chr(10).join(commands))}</pre>")
         return "".join(parts)

@@ -1,6 +1,6 @@
 """The pieces of a page, made by the executables that stand beside this one; those that are there already are used again.
 
-A piece is there if all its files are, none is older than the run, and its summary says that it was made of this run.
+A piece is there if all its files are, none is older than what it is made of, and its summary says that it was made of that.
 """
 import concurrent.futures
 import dataclasses
@@ -43,8 +43,9 @@ class Workshop:
 
     def there(self, piece):
         files = [self.folder / name for name in (*piece.files, f"{piece.name}.json")]
+        source = self.folder / piece.source if piece.source else self.run.path
         try:
-            if min(path.stat().st_mtime_ns for path in files) < self.run.path.stat().st_mtime_ns:
+            if min(path.stat().st_mtime_ns for path in files) < source.stat().st_mtime_ns:
                 return False
         except OSError:
             return False
@@ -52,7 +53,6 @@ class Workshop:
         if summary is None or summary["tool"] != piece.tool:
             return False
         words = shlex.split(summary["command_line"])
-        source = self.folder / piece.source if piece.source else self.run.path
         return os.path.realpath(source) in real_paths(words[1:2], self.run.path.parent)
 
     def executable(self, tool):
@@ -87,7 +87,8 @@ class Workshop:
         """
         todo = []
         for piece in pieces:
-            if self.there(piece):
+            stale = any(piece.source in one.files for one in todo)
+            if not stale and self.there(piece):
                 self.reused.append(piece.name)
                 progress(piece.name)
             else:

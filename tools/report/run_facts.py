@@ -114,6 +114,11 @@ class RunFacts:
         return {phase["label"]: name for name, phase in self.scene.get("phase", {}).items() if "label" in phase}
 
     @property
+    def unit(self):
+        """In which small places and volumes are read well: its name, and how many of it are a millimetre."""
+        return ("mm", 1) if self.seed_radius >= 0.05 else ("µm", 1000)
+
+    @property
     def load_axis(self):
         return self.scene.get("load", {}).get("axis", "z")
 

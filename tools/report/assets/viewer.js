@@ -291,11 +291,12 @@
     state.sampleOpacity = +opacity.value;
     redraw();
   });
-  for (const row of document.querySelectorAll("[data-view-frame]"))
-    row.addEventListener("click", () => {
-      showFrame(+row.dataset.viewFrame);
-      figure.scrollIntoView({ behavior: "smooth", block: "center" });
-    });
+  document.addEventListener("click", (event) => {
+    const row = event.target.closest("[data-view-frame]");
+    if (!row) return;
+    showFrame(+row.dataset.viewFrame);
+    figure.scrollIntoView({ behavior: "smooth", block: "center" });
+  });
 
   new ResizeObserver(redraw).observe(stage);
   showFrame(state.frame);
