@@ -61,12 +61,12 @@ std::vector<LegendEntry> phase_legend(const Packing& packing, const std::map<std
 void RangeFinder::add(std::vector<double> values) {
     std::erase_if(values, [](double value) { return !std::isfinite(value); });
     if (values.empty()) return;
-    const auto at = [&](double share) {
-        const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-        std::nth_element(values.begin(), place, values.end());
-        return *place;
+    const auto at = [&](std::size_t place) {
+        std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(place), values.end());
+        return values[place];
     };
-    const double low = at(0.01), high = at(0.99), least = at(0.0), most = at(1.0);
+    const std::size_t last = values.size() - 1, outliers = last / 100;
+    const double low = at(outliers), high = at(last - outliers), least = at(0), most = at(last);
     low_ = any_ ? std::min(low_, low) : low;
     high_ = any_ ? std::max(high_, high) : high;
     least_ = any_ ? std::min(least_, least) : least;

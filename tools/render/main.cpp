@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/cli.hpp"
@@ -159,19 +161,32 @@ SubjectOptions subject_options(const Request& request, const RunReader& run) {
     return options;
 }
 
-/// In the place and at the scale that the user asked for.
-void finish(const Request& request, double turn, Picture& picture) {
-    const Size size = parse_size(request.size);
-    picture.width = size.width;
-    picture.height = size.height;
-    if (request.background == "grey") picture.background = {225, 227, 230};
-    if (!request.view_of.empty()) {
+/// The place and scale that the user asked for.
+class Framing {
+ public:
+    explicit Framing(const Request& request) : request_(request), size_(parse_size(request.size)) {
+        if (request.view_of.empty()) return;
         const RunReader other(request.view_of);
-        picture.view = view_of(bounds_of_run(other), cut_across(request.cut), parse_axis(request.slice));
-        if (!request.no_outline) picture.outline = bounds(other.packing().position, other.packing().seed_radius);
+        view_ = view_of(bounds_of_run(other), cut_across(request.cut), parse_axis(request.slice));
+        if (!request.no_outline) outline_ = bounds(other.packing().position, other.packing().seed_radius);
     }
-    if (request.turntable > 0) picture.view = turned(picture.view, turn);
-}
+
+    /// @param turn  share of a whole turn, of a turntable
+    void apply(double turn, Picture& picture) const {
+        picture.width = size_.width;
+        picture.height = size_.height;
+        if (request_.background == "grey") picture.background = {225, 227, 230};
+        if (view_) picture.view = *view_;
+        if (outline_) picture.outline = outline_;
+        if (request_.turntable > 0) picture.view = turned(picture.view, turn);
+    }
+
+ private:
+    const Request& request_;
+    Size size_;
+    std::optional<View> view_;
+    std::optional<Box> outline_;
+};
 
 Series series(const Request& request, const std::vector<std::size_t>& numbers) {
     return {.output = request.picture, .numbers = numbers, .pictures_per_second = request.pictures_per_second};
@@ -194,6 +209,7 @@ void draw_run(const Request& request) {
         run.frame(frames.front());  // is it there?
     }
     const Subject subject(run, subject_options(request, run), frames);
+    const Framing framing(request);
     std::size_t shown = 0;
     draw_series(series(request, turns > 0 ? counted(turns)
                                 : all     ? frames
@@ -201,7 +217,7 @@ void draw_run(const Request& request) {
                 [&](std::size_t k) {
                     Picture picture = subject.picture(turns > 0 ? frames.front() : frames[k]);
                     shown = picture.centres.size();
-                    finish(request, turns > 0 ? static_cast<double>(k) / static_cast<double>(turns) : 0, picture);
+                    framing.apply(turns > 0 ? static_cast<double>(k) / static_cast<double>(turns) : 0, picture);
                     return picture;
                 });
     cli::report("particles", static_cast<std::int64_t>(run.packing().size()));
@@ -218,12 +234,13 @@ void draw_mesh(const Request& request) {
                              "--arrows", "--objects", "--pores", "--press", "--labels"})
         if (cli::given(flag)) throw WrongUsage(fmt::format("{} does not go with a mesh", flag));
     const TriangleMesh mesh = read_mesh(request.input);
+    const Framing framing(request);
     const auto turns = static_cast<std::size_t>(request.turntable);
     draw_series(series(request, counted(turns)), [&](std::size_t k) {
         Picture picture;
         picture.surfaces.push_back({mesh, std::vector<Rgb>(mesh.vertices.size(), mesh_colour), 1.0});
         picture.view = view_of(bounds(mesh.vertices, 0), Cut::none);
-        finish(request, turns > 0 ? static_cast<double>(k) / static_cast<double>(turns) : 0, picture);
+        framing.apply(turns > 0 ? static_cast<double>(k) / static_cast<double>(turns) : 0, picture);
         return picture;
     });
     cli::report("triangles", static_cast<std::int64_t>(mesh.triangles.size()));
@@ -240,7 +257,6 @@ void run(const Request& request) {
         throw WrongUsage("a movie has all frames; for one frame give a name that ends in .png, or --turntable");
     if (picture == ".mp4" && mesh && request.turntable == 0)
         throw WrongUsage("a movie of a mesh turns around it: give --turntable");
-    parse_size(request.size);
     check_combination(request);
     if (mesh)
         draw_mesh(request);

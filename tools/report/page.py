@@ -19,6 +19,9 @@ PICTURES = {
     "cut": "The sample cut open in its middle",
     "inclusions": "The inclusions alone",
     "mesh": "Their surface, rebuilt from the particles",
+    "pores": "Closed pores in the translucent sample",
+    "stress": "Stress along the load of each particle, mean over the window before the frame",
+    "outward": "A layer of one diameter, with the outward vectors",
 }
 EVENTS = {
     "merge": "parts merged", "split": "part split", "part_appeared": "part appeared", "part_vanished": "part vanished",
@@ -215,26 +218,23 @@ class Page:
         )
 
     def pictures(self):
-        parts, found = [], 0
+        figures = []
         several = len(self.run.species) > 1
         for what, caption in PICTURES.items():
             if what == "inclusions" and not several:
                 caption = "The whole sample"
             if what == "mesh" and not several:
                 caption = "Its surface, rebuilt from the particles"
-            figures = [
+            figures += [
                 picture(self.shop.folder / f"picture_{what}_{when}.png",
                         f"{caption}, {when}" if self.run.frame_count > 1 else caption)
                 for when in ("before", "after") if self.shop.has(f"picture_{what}_{when}")
             ]
-            found += len(figures)
-            if figures:
-                parts.append(f'<div class=pair>{"".join(figures)}</div>')
-        if not found:
+        if not figures:
             return ""
         moved = self.run.frame_count > 1
-        note = "<p>All pictures of a pair have the same place and scale; the thin box is the sample before.</p>" if moved else ""
-        return f"<h2 id=pictures>{'Before and after' if moved else 'Pictures'}</h2>{''.join(parts)}{note}"
+        note = "<p>The pictures of a pair have the same place and scale; the thin box is the sample before.</p>" if moved else ""
+        return f"<h2 id=pictures>{'Before and after' if moved else 'Pictures'}</h2>{pairs(figures)}{note}"
 
     def shares_of_dense_phases(self):
         """Label -> share of the sample, or nothing if it is porous or of one phase."""

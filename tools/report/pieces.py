@@ -132,22 +132,29 @@ def measures(run):
 
 
 def pictures(run, size):
-    """Of the first frame and of the last one: cut open, the inclusions, their surface."""
+    """Of the first frame and of the last one: cut open, the inclusions, their surface, the pores of one phase alone; at the end
+    what the run says of each particle."""
     inclusions = sorted(run.species_of_objects) or [label for label in run.species if label != run.matrix]
     shown = inclusions[0] if inclusions else run.matrix
     frames = {"before": "0", "after": "-1"} if run.frame_count > 1 else {"before": "0"}
+    press = ("--press", run.load_axis) if run.load_axis else ()
     found = []
     for when, frame in frames.items():
         def picture(what, words, when=when, frame=frame):
             name = f"picture_{what}_{when}"
             found.append(Piece(name, "render", ("--frame", frame, *words, "--size", size), (f"{name}.png",)))
 
-        picture("cut", ("--cut", "y", *(("--press", run.load_axis) if run.curves else ())))
-        if inclusions:
-            picture("inclusions", ("--only-species", str(shown), "--color", "object" if run.objects else "phase"))
+        picture("cut", ("--cut", "y", *press))
+        picture("inclusions", ("--only-species", str(shown), "--color", "object" if run.objects else "phase"))
+        if not inclusions:
+            picture("pores", ("--pores",))
         found.append(Piece(f"mesh_{when}", "mesh_recon", ("--frame", frame, "--species", str(shown)), (f"mesh_{when}.stl",)))
         found.append(Piece(f"picture_mesh_{when}", "render", ("--view-of", str(run.path), "--size", size),
                            (f"picture_mesh_{when}.png",), source=f"mesh_{when}.stl"))
+        if when == "after" and "stress" in run.fields and run.load_axis:
+            picture("stress", ("--color", f"stress_{2 * run.load_axis}", "--cut", "y", *press))
+        if when == "after" and "outward" in run.fields:
+            picture("outward", ("--slice", "y", "--arrows", "outward"))
     return found
 
 

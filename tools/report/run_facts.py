@@ -120,7 +120,9 @@ class RunFacts:
 
     @property
     def load_axis(self):
-        return self.scene.get("load", {}).get("axis", "z")
+        """Across which the press planes are; empty where there are none."""
+        axis = self.scene.get("load", {}).get("axis", "z")
+        return axis if "force_top" in self.curves and axis in ("x", "y", "z") else ""
 
 
 class Steps:
