@@ -11,6 +11,7 @@ import shlex
 import signal
 import sys
 import time
+import traceback
 
 
 class InvalidInput(Exception):
@@ -219,5 +220,8 @@ def main(usage, version, run):
         status = 1
     except KeyboardInterrupt:
         return 130
+    except Exception as error:  # a fault of ours, on one line that says where
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        status, message = 1, f"{type(error).__name__}: {error} ({pathlib.Path(place.filename).name}:{place.lineno})"
     print(f"{usage.tool}: {message}", file=sys.stderr)
     return status

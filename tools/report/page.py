@@ -392,7 +392,7 @@ class Page:
                      seconds(sum(one["cpu_seconds"] for one in all_steps.values())),
                      mebibytes(max(one["peak_bytes"] for one in all_steps.values()))))
         solved, notes = self.solved, []
-        if "steps" in solved:
+        if {"steps", "time_step", "processes"} <= solved.keys():
             notes.append(f"{count(solved['steps'])} time steps of {number(solved['time_step'])} s on "
                          f"{solved['processes']} process{'es' * (solved['processes'] != 1)}")
         if "seconds_per_particle_step" in solved:

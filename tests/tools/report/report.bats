@@ -63,6 +63,13 @@ assert not re.search(r"\b(nan|None|inf)\b", words, re.I), words
 END
 }
 
+@test "a packing has a page, with what it cost" {
+    packgen brick.h5 --particles 800 --density 0.64 --json brick.json --quiet
+    run -0 --separate-stderr report brick.h5 brick.html --quiet
+    [ -z "$stderr" ]
+    grep -q '<td>packgen</td>' brick.html
+}
+
 @test "what is there is used again, what is older than the run is made again" {
     cp -r "$made"/{run.h5,pieces} .
     touch -d "1 minute ago" run.h5
