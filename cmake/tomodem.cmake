@@ -15,6 +15,22 @@ function(tomodem_tool name source)
     set_property(GLOBAL APPEND PROPERTY TOMODEM_TOOLS ${name})
 endfunction()
 
+# tomodem_python_tool(NAME): the Python files and assets/ of this folder as one executable archive build/bin/NAME, installed.
+function(tomodem_python_tool name)
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.py ${CMAKE_CURRENT_SOURCE_DIR}/assets/*)
+    set(staged ${CMAKE_CURRENT_BINARY_DIR}/${name})
+    set(executable ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/${name})
+    add_custom_command(OUTPUT ${executable} DEPENDS ${sources} VERBATIM
+        COMMAND ${CMAKE_COMMAND} -E rm -rf ${staged}
+        COMMAND ${CMAKE_COMMAND} -E copy_directory ${CMAKE_CURRENT_SOURCE_DIR} ${staged}
+        COMMAND ${CMAKE_COMMAND} -E echo "VERSION = \"${PROJECT_VERSION}\"" > ${staged}/version.py
+        COMMAND /usr/bin/python3 -m zipapp ${staged} --python /usr/bin/python3 --compress --output ${executable}
+        COMMAND chmod a+rx ${executable})
+    add_custom_target(${name} ALL DEPENDS ${executable})
+    install(PROGRAMS ${executable} DESTINATION ${CMAKE_INSTALL_BINDIR})
+    set_property(GLOBAL APPEND PROPERTY TOMODEM_TOOLS ${name})
+endfunction()
+
 # tomodem_unit_test(NAME SOURCES ... LIBS ...): GoogleTest executable; each test is a ctest of label "unit".
 function(tomodem_unit_test name)
     cmake_parse_arguments(arg "" "" "SOURCES;LIBS" ${ARGN})

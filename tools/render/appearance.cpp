@@ -4,14 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
-
-#include "core/error.hpp"
+#include <cmath>
 
 namespace tomodem {
 namespace {
 
-constexpr Rgb light_grey{203, 208, 214};
 constexpr std::array<Rgb, 7> okabe_ito{Rgb{213, 94, 0},    Rgb{0, 114, 178},  Rgb{0, 158, 115}, Rgb{230, 159, 0},
                                        Rgb{204, 121, 167}, Rgb{86, 180, 233}, Rgb{240, 228, 66}};
 
@@ -30,12 +27,12 @@ std::map<std::int32_t, Rgb> phase_colours(const Packing& packing) {
     std::map<std::int32_t, Rgb> colours;
     std::size_t next = 0;
     for (const auto& [label, particles] : count)
-        colours[label] = label == most->first ? light_grey : okabe_ito[next++ % okabe_ito.size()];
+        colours[label] = label == most->first ? skin_colour : okabe_ito[next++ % okabe_ito.size()];
     return colours;
 }
 
 Rgb object_colour(std::int32_t object) {
-    if (object == 0) return light_grey;
+    if (object == 0) return skin_colour;
     // Seven hues at three lightnesses: 21 objects before a colour comes again.
     const std::size_t number = static_cast<std::size_t>(object - 1);
     const Rgb hue = okabe_ito[number % okabe_ito.size()];
@@ -47,70 +44,96 @@ Rgb object_colour(std::int32_t object) {
     return {scaled(hue.red), scaled(hue.green), scaled(hue.blue)};
 }
 
-Box bounds(const std::vector<Vec3>& centres, double radius) {
-    if (centres.empty()) throw InvalidInput("there is nothing to draw: no particles");
-    Vec3 low = centres.front(), high = centres.front();
-    for (const Vec3& centre : centres) {
-        low = low.cwiseMin(centre);
-        high = high.cwiseMax(centre);
-    }
-    return {.origin = low.array() - radius, .edges = (high - low).array() + 2 * radius};
-}
-
-Box bounds_of_run(const RunReader& run) {
-    const double radius = run.packing().seed_radius;
-    const Box first = bounds(run.packing().position, radius);
-    if (run.frame_count() < 2) return first;
-    const Box last = bounds(run.frame(run.frame_count() - 1).position, radius);
-    const Vec3 low = first.origin.cwiseMin(last.origin);
-    const Vec3 high = (first.origin + first.edges).cwiseMax(last.origin + last.edges);
-    return {.origin = low, .edges = high - low};
-}
-
-View view_of(const Box& region, Cut cut) {
-    const Vec3 direction = cut == Cut::x ? Vec3(1.0, -0.55, 0.5) : Vec3(0.55, -1.0, 0.5);
-    return {.towards_camera = direction, .low = region.origin, .high = region.origin + region.edges};
-}
-
-void show(const Packing& packing, const std::vector<Vec3>& positions, const Vec3& middle, const Appearance& appearance,
-          Picture& picture) {
-    if (appearance.colour == ColourBy::object && packing.object.empty())
-        throw InvalidInput(
-            "the packing does not tell objects apart; make it with vol2pack --objects, or colour by phase");
+std::vector<LegendEntry> phase_legend(const Packing& packing, const std::map<std::int32_t, std::string>& names,
+                                      std::optional<std::int32_t> only_species) {
+    std::vector<LegendEntry> legend;
     const auto colours = phase_colours(packing);
-    const auto count = particles_of_phases(packing);
-    if (appearance.only_species && !count.contains(*appearance.only_species)) {
-        std::vector<std::int32_t> labels;
-        for (const auto& [label, particles] : count) labels.push_back(label);
-        throw InvalidInput(fmt::format("no particle has label {}; the packing has {}", *appearance.only_species,
-                                       fmt::join(labels, ", ")));
-    }
-
-    std::set<std::int32_t> objects;
-    for (std::size_t k = 0; k < packing.size(); ++k) {
-        const std::int32_t label = packing.species[k];
-        if (appearance.only_species && label != *appearance.only_species) continue;
-        if (!packing.object.empty()) objects.insert(packing.object[k]);
-        if (appearance.cut == Cut::x && positions[k].x() > middle.x()) continue;
-        if (appearance.cut == Cut::y && positions[k].y() < middle.y()) continue;
-        picture.centres.push_back(positions[k]);
-        picture.colours.push_back(appearance.colour == ColourBy::phase    ? colours.at(label)
-                                  : appearance.colour == ColourBy::object ? object_colour(packing.object[k])
-                                                                          : light_grey);
-    }
-    if (picture.centres.empty()) throw InvalidInput("there is nothing to draw: the cut leaves no particle");
-    picture.radius = packing.seed_radius;
-
-    objects.erase(0);
-    if (appearance.colour == ColourBy::object) picture.caption = fmt::format("{} objects", objects.size());
-    if (appearance.colour != ColourBy::phase) return;
-    for (const auto& [label, particles] : count) {
-        if (appearance.only_species && label != *appearance.only_species) continue;
-        const auto name = appearance.names.find(label);
+    for (const auto& [label, particles] : particles_of_phases(packing)) {
+        if (only_species && label != *only_species) continue;
+        const auto name = names.find(label);
         const double share = 100.0 * static_cast<double>(particles) / static_cast<double>(packing.size());
-        const std::string text = name != appearance.names.end() ? name->second : fmt::format("label {}", label);
-        picture.legend.push_back({colours.at(label), fmt::format("{}  {:.1f} %", text, share)});
+        const std::string text = name != names.end() ? name->second : fmt::format("label {}", label);
+        legend.push_back({colours.at(label), fmt::format("{}  {:.1f} %", text, share)});
     }
+    return legend;
+}
+
+void RangeFinder::add(std::vector<double> values) {
+    std::erase_if(values, [](double value) { return !std::isfinite(value); });
+    if (values.empty()) return;
+    const auto at = [&](std::size_t place) {
+        std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(place), values.end());
+        return values[place];
+    };
+    const std::size_t last = values.size() - 1, outliers = last / 100;
+    const double low = at(outliers), high = at(last - outliers), least = at(0), most = at(last);
+    low_ = any_ ? std::min(low_, low) : low;
+    high_ = any_ ? std::max(high_, high) : high;
+    least_ = any_ ? std::min(least_, least) : least;
+    most_ = any_ ? std::max(most_, most) : most;
+    any_ = true;
+}
+
+std::optional<ColourRange> RangeFinder::range(const std::optional<std::pair<double, double>>& ends) const {
+    if (!any_) return std::nullopt;
+    ColourRange range{ends ? ends->first : low_, ends ? ends->second : high_};
+    if (range.low < 0 && range.high > 0) {
+        range.map = ColourMap::diverging;
+        if (!ends) {
+            range.high = std::max(-range.low, range.high);
+            range.low = -range.high;
+        }
+    }
+    if (range.low == range.high) {  // one value everywhere is in the middle
+        const double around = range.low == 0 ? 1 : 0.01 * std::abs(range.low);
+        range.low -= around;
+        range.high += around;
+    }
+    range.lower_values = least_ < range.low;
+    range.higher_values = most_ > range.high;
+    return range;
+}
+
+std::vector<Rgb> value_colours(const std::vector<double>& values, const ColourRange& range) {
+    std::vector<Rgb> colours;
+    colours.reserve(values.size());
+    for (const double value : values)
+        colours.push_back(std::isfinite(value) ? colour_at(range.map, (value - range.low) / (range.high - range.low))
+                                               : Rgb{150, 150, 150});
+    return colours;
+}
+
+namespace {
+
+struct ShownUnit {
+    std::string name;
+    double factor;  ///< of the file's unit in one of it
+};
+
+ShownUnit shown_unit(double largest, const std::string& unit) {
+    std::vector<ShownUnit> units;
+    if (unit == "Pa") units = {{"GPa", 1e9}, {"MPa", 1e6}, {"kPa", 1e3}, {"Pa", 1}};
+    if (unit == "mm") units = {{"m", 1e3}, {"mm", 1}, {"µm", 1e-3}, {"nm", 1e-6}};
+    for (const ShownUnit& one : units)
+        if (largest >= 0.9995 * one.factor) return one;
+    return units.empty() ? ShownUnit{unit, 1} : units.back();
+}
+
+}  // namespace
+
+ColourBar colour_bar_of(const ColourRange& range, const std::string& title, const std::string& unit) {
+    const ShownUnit shown = shown_unit(std::max(std::abs(range.low), std::abs(range.high)), unit);
+    return {.map = range.map,
+            .low = range.low / shown.factor,
+            .high = range.high / shown.factor,
+            .title = shown.name.empty() ? title : fmt::format("{} [{}]", title, shown.name),
+            .lower_values = range.lower_values,
+            .higher_values = range.higher_values};
+}
+
+std::string value_text(double value, const std::string& unit) {
+    const ShownUnit shown = shown_unit(std::abs(value), unit);
+    return fmt::format("{:.3g}{}{}", value / shown.factor, shown.name.empty() ? "" : " ", shown.name);
 }
 
 }  // namespace tomodem

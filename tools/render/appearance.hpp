@@ -3,16 +3,16 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "core/packing_file.hpp"
+#include "core/packing.hpp"
 #include "tools/render/picture.hpp"
 
-/// How a packing looks: what is shown of it, in which colours, from where.
+/// How things look: their colours, and the legend that explains them.
 namespace tomodem {
 
-enum class ColourBy { phase, object, none };
-enum class Cut { none, x, y };
+inline constexpr Rgb skin_colour{203, 208, 214}, pore_colour{61, 61, 143}, mesh_colour{213, 94, 0};
 
 /// Colours that people with any kind of colour vision tell apart (Okabe & Ito, Color Universal Design, 2008). The phase
 /// with most particles is light grey, the others follow in the order of their labels.
@@ -21,28 +21,42 @@ std::map<std::int32_t, Rgb> phase_colours(const Packing& packing);
 /// A colour of its own for neighbouring numbers; the same number has the same colour in every picture.
 Rgb object_colour(std::int32_t object);
 
-/// Smallest axis-parallel box that holds the spheres of this radius. @throws InvalidInput without centres
-Box bounds(const std::vector<Vec3>& centres, double radius);
+/// One entry for each phase (or the only one) with its share of the particles.
+/// @param names  others are "label 3"
+std::vector<LegendEntry> phase_legend(const Packing& packing, const std::map<std::int32_t, std::string>& names,
+                                      std::optional<std::int32_t> only_species);
 
-/// Box around the first and the last frame, so that all pictures of one run have the same scale and place.
-Box bounds_of_run(const RunReader& run);
-
-/// Looking at the open side of the cut, everything within `region` in the picture.
-View view_of(const Box& region, Cut cut);
-
-struct Appearance {
-    ColourBy colour = ColourBy::phase;
-    Cut cut = Cut::none;                        ///< the half towards the camera is taken away
-    std::optional<std::int32_t> only_species;   ///< label of the only phase shown
-    std::map<std::int32_t, std::string> names;  ///< of the phases; others are "label 3"
+/// The values at the ends of a colour scale, in the unit of the file.
+struct ColourRange {
+    double low = 0.0, high = 1.0;
+    ColourMap map = ColourMap::sequential;
+    bool lower_values = false, higher_values = false;  ///< some lie beyond
 };
 
-/// Fills centres, colours, radius and legend (or a caption of objects) of a picture from one frame.
+/// Finds the range that suits the values of several frames, given one frame after the other.
 ///
-/// @param positions  in the order of the packing's ids
-/// @param middle     where a cut goes through
-/// @throws InvalidInput if nothing is left to show, or objects are asked for and the packing has none
-void show(const Packing& packing, const std::vector<Vec3>& positions, const Vec3& middle, const Appearance& appearance,
-          Picture& picture);
+/// From the first to the last hundredth of the values, so that a few outliers do not take all colours; the widest of
+/// all frames. Around zero both sides get the same length.
+class RangeFinder {
+ public:
+    /// Values that are not a number are left out.
+    void add(std::vector<double> values);
+    /// Nothing if no frame has a value.
+    /// @param ends  to use instead of those found
+    std::optional<ColourRange> range(const std::optional<std::pair<double, double>>& ends) const;
+
+ private:
+    double low_ = 0.0, high_ = 0.0, least_ = 0.0, most_ = 0.0;
+    bool any_ = false;
+};
+
+/// Grey where there is no value.
+std::vector<Rgb> value_colours(const std::vector<double>& values, const ColourRange& range);
+
+/// In a unit in which the numbers are short: Pa becomes MPa.
+ColourBar colour_bar_of(const ColourRange& range, const std::string& title, const std::string& unit);
+
+/// "2.3 mm": at most three digits, in such a unit.
+std::string value_text(double value, const std::string& unit);
 
 }  // namespace tomodem

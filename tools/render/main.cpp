@@ -1,8 +1,11 @@
-// render: draw a packing, a frame of a run or a mesh as a PNG picture; needs no screen.
+// render: draw a packing, a run or a mesh as PNG pictures or as a movie; needs no screen.
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstdio>
+#include <numeric>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/cli.hpp"
@@ -10,28 +13,53 @@
 #include "core/packing_file.hpp"
 #include "core/scene.hpp"
 #include "core/volume_cli.hpp"
-#include "tools/render/appearance.hpp"
-#include "tools/render/picture.hpp"
+#include "tools/render/series.hpp"
+#include "tools/render/subject.hpp"
 
 namespace {
 using namespace tomodem;
 
 struct Request {
     std::filesystem::path input, picture, view_of;
-    std::int64_t frame = -1, only_species = 0;
-    std::string colour = "phase", cut = "none", size = "1200x900", background = "white", press = "none", labels;
-    bool no_outline = false;
+    std::int64_t frame = -1, only_species = 0, turntable = 0;
+    double slice_place = 0.5, opacity = 0.18, pictures_per_second = 12.0, probe_radius = 0.0;
+    std::string frames = "last", colour = "phase", range, cut = "none", slice = "none", arrows, press = "none", labels;
+    std::string size = "1200x900", background = "white";
+    bool objects = false, pores = false, no_outline = false;
 };
 
+constexpr cli::Range share{0, 1, true, true};
+
 cli::Usage usage(Request& request) {
-    return cli::Usage{"render", "Draw a packing, a frame of a run or a mesh as a PNG picture; needs no screen."}
+    return cli::Usage{"render", "Draw a packing, a run or a mesh as PNG pictures or as a movie; needs no screen."}
         .input("INPUT", request.input, "sample or run (.h5), or mesh (.stl, .ply)")
-        .output("PICTURE", request.picture, "picture to write (.png)")
+        .output("PICTURE", request.picture,
+                "picture to write (.png), or movie (.mp4, by ffmpeg); several pictures: NAME_0000.png, ...")
         .option("--frame", request.frame, cli::Unit::none, {.low = -1},
                 "frame of a run, counted from 0; -1 is the last")
-        .choice("--color", request.colour, {"phase", "object", "none"}, "what the colours tell apart")
+        .choice("--frames", request.frames, {"first", "last", "all"}, "frames of a run; a movie has all")
+        .option("--turntable", request.turntable, cli::Unit::none, {.low = 2},
+                "so many pictures of one frame, from all sides")
+        .option("--pictures-per-second", request.pictures_per_second, cli::Unit::none, cli::positive, "of a movie")
+        .option("--color", request.colour,
+                "what the colours tell apart: phase, object, none, or a quantity of the file: a property, a field, its "
+                "component (stress_zz) or its length (velocity)")
+        .option("--range", request.range,
+                "values at the ends of the colours, as LOW,HIGH in the unit of the file; "
+                "else what holds 98 % of the values of every frame")
         .option("--only-species", request.only_species, cli::Unit::none, cli::any, "show only the phase of this label")
         .choice("--cut", request.cut, {"x", "y", "none"}, "cut the sample open in its middle, across this axis")
+        .choice("--slice", request.slice, {"x", "y", "z", "none"},
+                "show a layer of one diameter across this axis, seen straight")
+        .option("--slice-place", request.slice_place, cli::Unit::fraction, share,
+                "where, from the lower to the upper end of the sample")
+        .option("--arrows", request.arrows,
+                "vectors to draw in the slice: outward, velocity, or another field of the run")
+        .flag("--objects", request.objects, "surfaces of the objects in the translucent sample, instead of particles")
+        .flag("--pores", request.pores, "closed pores in the translucent sample, instead of particles")
+        .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
+                "of these surfaces, as in mesh_recon; one particle diameter where not given")
+        .option("--opacity", request.opacity, cli::Unit::fraction, share, "of the translucent sample")
         .choice("--press", request.press, {"x", "y", "z", "none"}, "show the two press planes across this axis")
         .flag("--no-outline", request.no_outline, "leave out the thin box around the first frame")
         .input_option("--view-of", request.view_of,
@@ -39,18 +67,47 @@ cli::Usage usage(Request& request) {
         .option("--labels", request.labels, "names of the phases, as 1=matrix,2=inclusion; a run knows its own")
         .option("--size", request.size, "width and height in pixels")
         .choice("--background", request.background, {"white", "grey"}, "colour behind the sample")
+        .exclusive({"--frame", "--frames"})
+        .exclusive({"--frames", "--turntable"})
+        .exclusive({"--cut", "--slice", "--objects"})
+        .exclusive({"--cut", "--slice", "--pores"})
+        .exclusive({"--slice", "--turntable"})
         .example("render run.h5 before.png --frame 0 --cut y --press z")
         .example("render run.h5 inclusions.png --only-species 2 --color object")
+        .example("render run.h5 stress.mp4 --color stress_zz --cut y")
+        .example("render run.h5 pores.png --pores --objects")
+        .example("render run.h5 outward.png --slice y --arrows outward")
+        .example("render run.h5 around.mp4 --turntable 90 --objects")
         .example("render inclusion.stl inclusion.png --view-of run.h5");
 }
 
-void parse_size(const std::string& text, Picture& picture) {
+struct Size {
+    int width = 0, height = 0;
+};
+
+Size parse_size(const std::string& text) {
+    Size size;
     int used = 0;
-    if (std::sscanf(text.c_str(), "%dx%d%n", &picture.width, &picture.height, &used) != 2 ||
-        used != static_cast<int>(text.size()) || picture.width < 100 || picture.height < 100 || picture.width > 8000 ||
-        picture.height > 8000)
+    if (std::sscanf(text.c_str(), "%dx%d%n", &size.width, &size.height, &used) != 2 ||
+        used != static_cast<int>(text.size()) || size.width < 100 || size.height < 100 || size.width > 8000 ||
+        size.height > 8000)
         throw WrongUsage(
             fmt::format("--size '{}' is not WIDTHxHEIGHT with 100 to 8000 pixels each, as 1200x900", text));
+    return size;
+}
+
+std::optional<std::pair<double, double>> parse_range(const std::string& text) {
+    if (text.empty()) return std::nullopt;
+    double low = 0, high = 0;
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%lf,%lf%n", &low, &high, &used) != 2 || used != static_cast<int>(text.size()) ||
+        !std::isfinite(low) || !std::isfinite(high) || low >= high)
+        throw WrongUsage(fmt::format("--range '{}' is not LOW,HIGH with LOW below HIGH, as -2e8,2e8", text));
+    return std::pair{low, high};
+}
+
+std::optional<int> parse_axis(const std::string& axis) {
+    return axis == "none" ? std::nullopt : std::optional<int>(axis[0] - 'x');
 }
 
 Cut cut_across(const std::string& axis) {
@@ -66,82 +123,145 @@ std::map<std::int32_t, std::string> phase_names(const Request& request, const Pr
     return names;
 }
 
-/// Slabs that touch the outermost particles, cut like the sample.
-std::vector<Box> press_planes(const Box& sample, int axis, Cut cut) {
-    Box lower = sample;
-    const double thickness = 0.01 * sample.edges.maxCoeff();
-    lower.origin -= 0.05 * sample.edges;
-    lower.edges *= 1.1;
-    if (cut == Cut::x && axis != 0) lower.edges.x() /= 2;
-    if (cut == Cut::y && axis != 1) lower.origin.y() += lower.edges.y() /= 2;
-    lower.edges[axis] = thickness;
-    lower.origin[axis] = sample.origin[axis] - thickness;
-    Box upper = lower;
-    upper.origin[axis] = sample.origin[axis] + sample.edges[axis];
-    return {lower, upper};
+/// What cannot be shown together.
+void check_combination(const Request& request) {
+    const bool quantity = request.colour != "phase" && request.colour != "object" && request.colour != "none";
+    if (!request.range.empty() && !quantity)
+        throw WrongUsage("--range goes with --color and a quantity of the file, such as stress_zz");
+    if (!request.arrows.empty() && request.slice == "none")
+        throw WrongUsage("--arrows are drawn in a slice; give --slice x, y or z");
+    if (cli::given("--slice-place") && request.slice == "none")
+        throw WrongUsage("--slice-place goes with --slice x, y or z");
+    for (const char* flag : {"--color", "--only-species"})
+        if ((request.objects || request.pores) && cli::given(flag))
+            throw WrongUsage(fmt::format("{} is of particles; --objects and --pores show surfaces", flag));
+    for (const char* flag : {"--probe-radius", "--opacity"})
+        if (!request.objects && !request.pores && cli::given(flag))
+            throw WrongUsage(fmt::format("{} goes with --objects or --pores", flag));
+    if (request.picture.extension() != ".mp4" && cli::given("--pictures-per-second"))
+        throw WrongUsage("--pictures-per-second is of a movie, whose name ends in .mp4");
 }
 
-std::string strain_text(double strain) {
-    const std::string text = fmt::format("{:.3f}", std::abs(strain));
-    return fmt::format("true strain {}{}", strain < 0 && text != "0.000" ? "−" : "", text);
+SubjectOptions subject_options(const Request& request, const RunReader& run) {
+    SubjectOptions options;
+    options.colour = request.colour;
+    options.range = parse_range(request.range);
+    if (cli::given("--only-species")) options.only_species = static_cast<std::int32_t>(request.only_species);
+    options.cut = cut_across(request.cut);
+    options.slice = parse_axis(request.slice);
+    options.slice_place = request.slice_place;
+    options.arrows = request.arrows;
+    options.objects = request.objects;
+    options.pores = request.pores;
+    options.opacity = request.opacity;
+    options.probe_radius = request.probe_radius;
+    options.press = parse_axis(request.press);
+    options.outline = !request.no_outline;
+    options.names = phase_names(request, run.provenance());
+    return options;
 }
 
-void add_particles(const Request& request, Picture& picture) {
-    const RunReader run(request.input);
-    const auto frames = static_cast<std::int64_t>(run.frame_count());
-    const Frame frame = run.frame(request.frame < 0 ? frames - 1 : request.frame);
-    const Packing& packing = run.packing();
-
-    Appearance appearance;
-    appearance.cut = cut_across(request.cut);
-    appearance.names = phase_names(request, run.provenance());
-    appearance.colour = request.colour == "phase"    ? ColourBy::phase
-                        : request.colour == "object" ? ColourBy::object
-                                                     : ColourBy::none;
-    if (cli::given("--only-species")) appearance.only_species = static_cast<std::int32_t>(request.only_species);
-
-    const Box first = bounds(packing.position, packing.seed_radius);
-    show(packing, frame.position, first.origin + first.edges / 2, appearance, picture);
-    picture.view = view_of(bounds_of_run(run), appearance.cut);
-    if (!request.no_outline) picture.outline = first;
-    if (request.press != "none")
-        picture.plates =
-            press_planes(bounds(frame.position, packing.seed_radius), request.press[0] - 'x', appearance.cut);
-    if (const auto strain = run.observables().find("strain"); strain != run.observables().end()) {
-        if (!picture.caption.empty()) picture.caption += ", ";
-        picture.caption += strain_text(value_at(strain->second, frame.time));
+/// The place and scale that the user asked for.
+class Framing {
+ public:
+    explicit Framing(const Request& request) : request_(request), size_(parse_size(request.size)) {
+        if (request.view_of.empty()) return;
+        const RunReader other(request.view_of);
+        view_ = view_of(bounds_of_run(other), cut_across(request.cut), parse_axis(request.slice));
+        if (!request.no_outline) outline_ = bounds(other.packing().position, other.packing().seed_radius);
     }
-    cli::report("particles", static_cast<std::int64_t>(packing.size()));
-    cli::report("particles_shown", static_cast<std::int64_t>(picture.centres.size()));
+
+    /// @param turn  share of a whole turn, of a turntable
+    void apply(double turn, Picture& picture) const {
+        picture.width = size_.width;
+        picture.height = size_.height;
+        if (request_.background == "grey") picture.background = {225, 227, 230};
+        if (view_) picture.view = *view_;
+        if (outline_) picture.outline = outline_;
+        if (request_.turntable > 0) picture.view = turned(picture.view, turn);
+    }
+
+ private:
+    const Request& request_;
+    Size size_;
+    std::optional<View> view_;
+    std::optional<Box> outline_;
+};
+
+Series series(const Request& request, const std::vector<std::size_t>& numbers) {
+    return {.output = request.picture, .numbers = numbers, .pictures_per_second = request.pictures_per_second};
 }
 
-void add_mesh(const Request& request, Picture& picture) {
-    for (const char* flag : {"--frame", "--color", "--only-species", "--cut", "--press", "--labels"})
+std::vector<std::size_t> counted(std::size_t count) {
+    std::vector<std::size_t> numbers(count);
+    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+    return numbers;
+}
+
+void draw_run(const Request& request) {
+    const RunReader run(request.input);
+    const auto turns = static_cast<std::size_t>(request.turntable);
+    const bool all = request.frames == "all" || (request.picture.extension() == ".mp4" && turns == 0);
+    std::vector<std::size_t> frames = counted(run.frame_count());
+    if (!all) {
+        const auto last = static_cast<std::int64_t>(run.frame_count()) - 1;
+        frames = {static_cast<std::size_t>(request.frames == "first" ? 0 : request.frame < 0 ? last : request.frame)};
+        run.frame(frames.front());  // is it there?
+    }
+    const Subject subject(run, subject_options(request, run), frames);
+    const Framing framing(request);
+    std::size_t shown = 0;
+    draw_series(series(request, turns > 0 ? counted(turns)
+                                : all     ? frames
+                                          : std::vector<std::size_t>{}),
+                [&](std::size_t k) {
+                    Picture picture = subject.picture(turns > 0 ? frames.front() : frames[k]);
+                    shown = picture.centres.size();
+                    framing.apply(turns > 0 ? static_cast<double>(k) / static_cast<double>(turns) : 0, picture);
+                    return picture;
+                });
+    cli::report("particles", static_cast<std::int64_t>(run.packing().size()));
+    if (shown > 0) cli::report("particles_shown", static_cast<std::int64_t>(shown));
+    if (const auto& range = subject.range()) {
+        cli::report("color_low", range->low, subject.unit());
+        cli::report("color_high", range->high, subject.unit());
+    }
+    cli::report("pictures", static_cast<std::int64_t>(turns > 0 ? turns : frames.size()));
+}
+
+void draw_mesh(const Request& request) {
+    for (const char* flag : {"--frame", "--frames", "--color", "--range", "--only-species", "--cut", "--slice",
+                             "--arrows", "--objects", "--pores", "--press", "--labels"})
         if (cli::given(flag)) throw WrongUsage(fmt::format("{} does not go with a mesh", flag));
-    picture.mesh = read_mesh(request.input);
-    picture.mesh_colour = {213, 94, 0};
-    picture.view = view_of(bounds(picture.mesh.vertices, 0), Cut::none);
-    cli::report("triangles", static_cast<std::int64_t>(picture.mesh.triangles.size()));
+    const TriangleMesh mesh = read_mesh(request.input);
+    const Framing framing(request);
+    const auto turns = static_cast<std::size_t>(request.turntable);
+    draw_series(series(request, counted(turns)), [&](std::size_t k) {
+        Picture picture;
+        picture.surfaces.push_back({mesh, std::vector<Rgb>(mesh.vertices.size(), mesh_colour), 1.0});
+        picture.view = view_of(bounds(mesh.vertices, 0), Cut::none);
+        framing.apply(turns > 0 ? static_cast<double>(k) / static_cast<double>(turns) : 0, picture);
+        return picture;
+    });
+    cli::report("triangles", static_cast<std::int64_t>(mesh.triangles.size()));
 }
 
 void run(const Request& request) {
-    if (request.picture.extension() != ".png")
-        throw WrongUsage(fmt::format("picture '{}': the name must end in .png", request.picture.string()));
-    Picture picture;
-    parse_size(request.size, picture);
-    if (request.background == "grey") picture.background = {225, 227, 230};
-
-    const auto extension = request.input.extension();
-    if (extension == ".stl" || extension == ".ply")
-        add_mesh(request, picture);
+    const auto picture = request.picture.extension(), input = request.input.extension();
+    if (picture != ".png" && picture != ".mp4")
+        throw WrongUsage(
+            fmt::format("picture '{}': the name must end in .png, or in .mp4 for a movie", request.picture.string()));
+    const bool mesh = input == ".stl" || input == ".ply";
+    if (picture == ".mp4" && (cli::given("--frame") || request.frames != "last") && request.frames != "all" &&
+        request.turntable == 0)
+        throw WrongUsage("a movie has all frames; for one frame give a name that ends in .png, or --turntable");
+    if (picture == ".mp4" && mesh && request.turntable == 0)
+        throw WrongUsage("a movie of a mesh turns around it: give --turntable");
+    check_combination(request);
+    if (mesh)
+        draw_mesh(request);
     else
-        add_particles(request, picture);
-    if (!request.view_of.empty()) {
-        const RunReader other(request.view_of);
-        picture.view = view_of(bounds_of_run(other), cut_across(request.cut));
-        if (!request.no_outline) picture.outline = bounds(other.packing().position, other.packing().seed_radius);
-    }
-    draw(picture, request.picture);
+        draw_run(request);
 }
 }  // namespace
 

@@ -1,28 +1,44 @@
 #pragma once
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/mesh.hpp"
 #include "core/packing.hpp"
+#include "tools/render/colour_map.hpp"
 
 namespace tomodem {
-
-struct Rgb {
-    std::uint8_t red = 0, green = 0, blue = 0;
-};
 
 struct LegendEntry {
     Rgb colour;
     std::string text;
 };
 
+/// Which colour stands for which value.
+struct ColourBar {
+    ColourMap map;
+    double low = 0.0, high = 1.0;
+    std::string title;                                 ///< with the unit
+    bool lower_values = false, higher_values = false;  ///< some lie beyond the ends, and have their colours
+};
+
 /// From where one looks: along the parallel projection, z (or y, when looking along z) up.
 struct View {
     Vec3 towards_camera{0.6, -1.0, 0.5};
-    Vec3 low, high;  ///< region that fills the picture [mm]
+    Vec3 low, high;        ///< region that fills the picture [mm]
+    bool turning = false;  ///< it fits from every side around z, at one scale
+};
+
+/// Triangles in one piece; a translucent one is denser where it is seen at a slant.
+struct Surface {
+    TriangleMesh mesh;
+    std::vector<Rgb> colours;  ///< one a vertex
+    double opacity = 1.0;
+};
+
+struct Arrow {
+    Vec3 from, to;  ///< [mm]
 };
 
 /// Everything that is drawn, in world coordinates [mm]. What is empty is left out.
@@ -35,20 +51,17 @@ struct Picture {
     std::vector<Rgb> colours;  ///< one a sphere
     double radius = 0.0;       ///< of the spheres [mm]
 
-    TriangleMesh mesh;
-    Rgb mesh_colour;
+    std::vector<Surface> surfaces;
+    std::vector<Arrow> arrows;  ///< flat, over all else
 
     std::optional<Box> outline;  ///< as thin lines
     std::vector<Box> plates;     ///< thin see-through slabs
 
     std::vector<LegendEntry> legend;
     std::string caption;
+    std::optional<ColourBar> bar;
+    double arrow_key = 0.0;      ///< length [mm] of the arrow shown as a key; 0: none
+    std::string arrow_key_text;  ///< what that length stands for
 };
-
-/// Draws with a scale bar and the directions of the axes, twice as fine as asked for and averaged, and writes a PNG
-/// (atomically). The same picture on any number of threads.
-/// @throws std::runtime_error if there is no software OpenGL (offscreen_window)
-/// @note   20,000 spheres take about 2 s on two cores, 500,000 about 10 s
-void draw(const Picture& picture, const std::filesystem::path& path);
 
 }  // namespace tomodem

@@ -5,6 +5,10 @@ usage: check_picture.py size PNG WIDTH HEIGHT
        check_picture.py orange_share PNG LOW HIGH   share of orange among the pixels of particles
        check_picture.py empty_share PNG LOW HIGH    share of pixels that show the white background
        check_picture.py same_scale PNG PNG          both have the same scale bar
+       check_picture.py share PNG R,G,B LOW HIGH    share of pixels of this hue, light or dark, in the drawing
+       check_picture.py bar PNG COLOURS             at least so many colours side by side in the upper right: a colour bar
+       check_picture.py no_bar PNG                  no such thing
+       check_picture.py left_right PNG              what is dark at the left of the drawing is so at the right, mirrored
 """
 import sys
 
@@ -37,6 +41,21 @@ def between(what, value, low, high):
         sys.exit(f"{what} is {value:.4f}, expected {low} to {high}")
 
 
+def hue_share(path, colour):
+    """Pixels whose red, green and blue are as a multiple of the colour's."""
+    image, wanted = drawing(path).astype(float), np.array([float(part) for part in colour.split(",")])
+    length = np.linalg.norm(image, axis=2) * np.linalg.norm(wanted)
+    return np.mean((image @ wanted > 0.985 * length) & (length > 0))
+
+
+def colours_of_bar(path):
+    """The most colours that one line of pixels has in the upper right."""
+    image = pixels(path)
+    corner = image[: len(image) // 9, image.shape[1] * 6 // 10 :]
+    coloured = [line[line.max(axis=1) - line.min(axis=1) > 20] for line in corner]
+    return max(len(np.unique(line, axis=0)) for line in coloured)
+
+
 what, first, *rest = sys.argv[1:]
 if what == "size":
     height, width = pixels(first).shape[:2]
@@ -51,5 +70,18 @@ elif what == "same_scale":
     bar = [pixels(path)[int(0.9 * height) :, : width // 2] for path in (first, rest[0])]
     if not np.array_equal(*bar):
         sys.exit("the scale bars differ")
+elif what == "share":
+    between(f"share of {rest[0]}", hue_share(first, rest[0]), *rest[1:])
+elif what == "bar":
+    if colours_of_bar(first) < int(rest[0]):
+        sys.exit(f"{first} has {colours_of_bar(first)} colours in its upper right, expected a bar of {rest[0]} or more")
+elif what == "no_bar":
+    if colours_of_bar(first) > 4:
+        sys.exit(f"{first} has a colour bar")
+elif what == "left_right":
+    dark = drawing(first).max(axis=2) < 60
+    left, right = dark[:, : dark.shape[1] // 4], dark[:, -(dark.shape[1] // 4) :]
+    if left.sum() < 40 or abs(left.sum() - right.sum()) > 0.3 * left.sum():
+        sys.exit(f"{first} has {left.sum()} dark pixels at its left and {right.sum()} at its right")
 else:
     sys.exit(__doc__)

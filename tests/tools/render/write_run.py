@@ -2,7 +2,11 @@
 """Writes an H5MD run without tomodem: a cube of touching spheres on a lattice, a ball of label 2 in its middle (one
 object for each half), two frames, the second compressed along z at constant volume.
 
-usage: write_run.py OUT.h5 SPHERES_PER_EDGE
+usage: write_run.py OUT.h5 SPHERES_PER_EDGE           the ball is another phase
+       write_run.py OUT.h5 SPHERES_PER_EDGE --pore    the ball is not there
+       write_run.py OUT.h5 SPHERES_PER_EDGE --fields  with a property "height" (0 to 1 from below to above), and in the second
+                                                      frame stress (zz 200 MPa, in the ball -200 MPa) and outward (from the
+                                                      middle line along x, of length 1 mm)
 """
 import sys
 
@@ -15,6 +19,8 @@ index = np.stack(np.meshgrid(*[np.arange(edge)] * 3, indexing="ij"), axis=-1).re
 position = (index + 0.5) * 2 * radius
 centre = np.full(3, edge * radius)
 inside = np.linalg.norm(position - centre, axis=1) < 0.35 * edge
+if "--pore" in sys.argv:
+    index, position, inside = index[~inside], position[~inside], np.zeros(np.count_nonzero(~inside), bool)
 strain = -0.3
 stretch = np.exp([-strain / 2, -strain / 2, strain])
 
@@ -36,3 +42,15 @@ with h5py.File(path, "w") as file:
     curve = file.create_group("observables/strain")
     curve["value"], curve["step"], curve["time"] = [0.0, strain], [0, 100], [0.0, 300.0]
     curve.attrs["unit"] = "1"
+    if "--fields" in sys.argv:
+        particles.create_group("property")["height"] = index[:, 2] / (edge - 1)
+        stress = np.full((2, len(position), 6), np.nan)
+        stress[1] = 0
+        stress[1, :, 2] = np.where(inside, -2e8, 2e8)
+        outward = np.zeros((2, len(position), 3))
+        outward[1, :, 0] = np.sign(position[:, 0] - centre[0])
+        for name, values, unit in (("stress", stress, "Pa"), ("outward", outward, "mm")):
+            field = particles.create_group(name)
+            field["value"] = values
+            field["value"].attrs["unit"] = unit
+            field["step"], field["time"] = frames["step"], frames["time"]

@@ -1,0 +1,174 @@
+#!/usr/bin/env bats
+# Pages of runs in which everything is known beforehand, opened in a real browser without a screen.
+
+bats_require_minimum_version 1.5.0
+
+setup_file() {
+    here=$TOMODEM_SOURCE/tests/tools/report
+    cd "$BATS_FILE_TMPDIR" || exit 1
+    mkdir pieces
+    "$here/write_run.py" run.h5
+    "$TOMODEM_BIN/report" run.h5 run.html --with pieces --quiet
+}
+
+setup() {
+    PATH=$TOMODEM_BIN:$PATH
+    unset DISPLAY WAYLAND_DISPLAY
+    here=$TOMODEM_SOURCE/tests/tools/report
+    made=$BATS_FILE_TMPDIR
+    cd "$BATS_TEST_TMPDIR" || exit 1
+}
+
+check() { "$here/check_page.py" "$@"; }
+needs_browser() { command -v chromium >/dev/null || skip "there is no chromium here"; }
+one_line() { [ "$(wc -l <<<"$stderr")" -eq 1 ]; }
+said() { [[ $stderr == *"$1"* ]] || { echo "said: $stderr"; return 1; }; }
+
+@test "the page loads without a complaint and asks the network for nothing, on a laptop and on a phone" {
+    needs_browser
+    check loads "$made/run.html"
+}
+
+@test "the view draws, turns and zooms by the mouse; frames, switches and opacity change what is seen" {
+    needs_browser
+    check view "$made/run.html"
+}
+
+@test "the pore that closes is an event, with the strain and the place where it does" {
+    needs_browser
+    grep -q '1 event</h3>' "$made/run.html"
+    check event "$made/run.html"
+}
+
+@test "the page says what the tables say" {
+    # 99.6 MPa: 100 (1 - exp(-strain / 0.05)) over strains 0.25 to 0.3.
+    grep -q '<b>99.6 MPa</b>' "$made/run.html"
+    grep -q '<b>1.00 %</b><span>equilibrium error' "$made/run.html"
+    for section in view pictures curves topology errors costs commands; do grep -q "<h2 id=$section>" "$made/run.html"; done
+    [ "$(grep -o 'src="data:image/png;base64,' "$made/run.html" | wc -l)" -eq 6 ]
+}
+
+@test "a sample without curves, objects and pores has a sensible page too" {
+    needs_browser
+    "$here/write_run.py" sample.h5 --sample
+    run -0 --separate-stderr report sample.h5 sample.html
+    [ -z "$stderr" ]
+    check loads sample.html
+    for section in view pictures topology errors; do grep -q "<h2 id=$section>" sample.html; done
+    for section in curves scene; do run -1 grep -q "<h2 id=$section>" sample.html; done
+    /usr/bin/python3 - <<'END'
+import re
+words = re.sub(r"<(script|style).*?</\1>|data:[^\"]*", "", open("sample.html").read(), flags=re.S)
+assert not re.search(r"\b(nan|None|inf)\b", words, re.I), words
+END
+}
+
+@test "a packing has a page, with what it cost" {
+    packgen brick.h5 --particles 800 --density 0.64 --json brick.json --quiet
+    run -0 --separate-stderr report brick.h5 brick.html --quiet
+    [ -z "$stderr" ]
+    grep -q '<td>packgen</td>' brick.html
+}
+
+@test "what is there is used again, what is older than the run is made again" {
+    cp -r "$made"/{run.h5,pieces} .
+    touch -d "1 minute ago" run.h5
+    report run.h5 again.html --with pieces --json again.json --quiet
+    grep -q '"pieces_made": 0' again.json
+    rm pieces/equilibrium.csv
+    report run.h5 again.html --with pieces --json again.json --quiet
+    grep -q '"pieces_made": 1' again.json
+    touch run.h5
+    report run.h5 again.html --with pieces --json again.json --quiet
+    grep -q '"pieces_reused": 0' again.json
+}
+
+@test "pieces of another run are not taken for this one's" {
+    cp "$made/run.h5" other.h5
+    cp -r "$made/pieces" .
+    touch -d "1 minute ago" other.h5
+    report other.h5 other.html --with pieces --json other.json --quiet
+    grep -q '"pieces_reused": 0' other.json
+}
+
+@test "the solver's summary beside the run gives the cost, a summary of something else does not" {
+    /usr/bin/python3 - "$made/run.h5" <<'END'
+import h5py, shutil, sys
+shutil.copy(sys.argv[1], "run.h5")
+with h5py.File("run.h5", "a") as file:
+    file["parameters/tomodem/command_line"] = "solve sample.h5 scene.toml run.h5"
+    file["parameters/tomodem/tool"] = "solve"
+    file["parameters/tomodem/scene"] = "seed_radius = 0.5\n[phase.steel]\nlabel = 1\n[phase.glass]\nlabel = 2\n"
+END
+    summary() {
+        printf '{"tool": "%s", "command_line": "%s", "wall_seconds": 83, "cpu_seconds": 160, "peak_bytes": 104857600,
+                 "steps": 12345, "time_step": 0.02, "processes": 2, "particles_lost": 3}' "$1" "$2"
+    }
+    summary solve "solve other.h5 scene.toml other_run.h5" >old.json
+    report run.h5 run.html --quiet
+    run -0 grep -c 'keep the summary of' run.html
+    summary solve "solve sample.h5 scene.toml run.h5" >run.json
+    run -0 --separate-stderr report run.h5 run.html --quiet
+    said "warning: 3 particles were lost"
+    grep -q '>1 min 23 s<' run.html
+    grep -q "12.345 time steps of 0.02 s on 2 processes" run.html
+    grep -q "glass" run.html
+}
+
+@test "a measure that cannot be made is said, and the page is made without it" {
+    mkdir bin
+    cp "$TOMODEM_BIN/report" bin/
+    for tool in stress_strain equilibrium shape_factor volume_change mesh_recon render; do ln -s "$TOMODEM_BIN/$tool" bin/; done
+    printf '#!/bin/sh\necho "topology: broken on purpose" >&2\nexit 1\n' >bin/topology
+    chmod +x bin/topology
+    run -0 --separate-stderr bin/report "$made/run.h5" page.html
+    said "report: warning: Without topology: topology: broken on purpose"
+    grep -q "broken on purpose" page.html
+    rm bin/topology
+    run -1 --separate-stderr bin/report "$made/run.h5" none.html
+    one_line
+    said "the executable topology is not at"
+    [ ! -e none.html ]
+}
+
+@test "bad input gives one line and no page" {
+    echo nonsense >broken.h5
+    run -1 --separate-stderr report broken.h5 page.html
+    one_line
+    said "report: cannot read 'broken.h5': it is no run or sample"
+    run -1 --separate-stderr report nowhere.h5 page.html
+    one_line
+    said "report: cannot read RUN 'nowhere.h5': there is no such file or folder"
+    run -1 --separate-stderr report "$made/run.h5" nowhere/page.html
+    one_line
+    said "folder 'nowhere' does not exist; create it first"
+    run -1 --separate-stderr report "$made/run.h5" page.html --with nowhere
+    one_line
+    said "cannot read --with 'nowhere'"
+    [ ! -e page.html ]
+}
+
+@test "a command line that makes no sense is wrong usage" {
+    cp "$made/run.h5" .
+    for words in "run.h5" "run.h5 page.pdf" "run.h5 page.html --size 12x" "run.h5 page.html --nonsense" \
+        "run.h5 page.html --threads 0" "run.h5 page.html --json" "run.h5 run.h5"; do
+        # shellcheck disable=SC2086
+        run -2 --separate-stderr report $words
+        one_line
+        said "report: "
+    done
+    run -0 report --help
+    [[ $output == *"usage: report RUN REPORT [options]"*"examples:"* ]]
+    run -0 report --version
+    [[ $output == "report (tomodem) "* ]]
+}
+
+@test "stopped in the middle, it leaves nothing behind" {
+    mkdir tmp
+    TMPDIR=$PWD/tmp report "$made/run.h5" page.html --quiet 3>&- &
+    sleep 0.8
+    kill -TERM "$!"
+    run ! wait "$!"
+    [ ! -e page.html ]
+    [ -z "$(ls -A tmp)" ]
+}

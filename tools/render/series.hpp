@@ -1,0 +1,26 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "tools/render/picture.hpp"
+
+namespace tomodem {
+
+/// Draws one picture, or several in the order given, with one window.
+struct Series {
+    std::filesystem::path output;       ///< NAME.png or NAME.mp4
+    std::vector<std::size_t> numbers;   ///< of the pictures; empty: one picture, which has the name of the output
+    double pictures_per_second = 12.0;  ///< of a movie
+};
+
+/// Several pictures become one movie, or NAME_0000.png and so on, each with its number.
+/// @param picture  called with each place in the series; all of one size
+/// @throws InvalidInput if a file cannot be written, or there is no ffmpeg for a movie
+void draw_series(const Series& series, const std::function<Picture(std::size_t)>& picture);
+
+/// The view turned around z by a share of a whole turn, at a scale that is the same from every side.
+View turned(View view, double share);
+
+}  // namespace tomodem

@@ -1,0 +1,110 @@
+"""report: one page about a run, with its pictures, curves, tables, topology and a 3-D view; needs no network to be read."""
+import contextlib
+import os
+import pathlib
+import re
+import sys
+import tempfile
+
+from command_line import InvalidInput, Option, Progress, Usage, WrongUsage, main, write_atomically
+from run_facts import RunFacts, Steps
+
+
+def size_text(text):
+    if not re.fullmatch(r"[1-9]\d{2,3}x[1-9]\d{2,3}", text):
+        raise WrongUsage(f"--size '{text}' is not WIDTHxHEIGHT with 100 to 9999 pixels each, as 960x720")
+    return text
+
+
+USAGE = Usage(
+    "report",
+    "One self-contained page about a run: curves, tables, pictures, topology, cost and a 3-D view to turn.",
+    [("RUN", "run or sample (.h5)")],
+    ("REPORT", "page to write (.html)"),
+    [Option("--with", "FOLDER", "where the measures, meshes and pictures are that are there already, and where the others are "
+                                "kept; else they are made for the page and forgotten", pathlib.Path),
+     Option("--size", "TEXT", "width and height of the pictures in pixels [default 960x720]", size_text, "960x720")],
+    ["report run.h5 report.html", "report run.h5 report.html --with out/run"],
+)
+
+
+def tools_folder():
+    """Where the other executables are: beside this one, or behind a link to it."""
+    return pathlib.Path(os.path.realpath(sys.argv[0])).parent
+
+
+def layers(run, shop, frames):
+    from view_meshes import Layer
+    from words import INDIGO, LIGHT_GREY, hexadecimal, object_colour, phase_colours
+
+    def paths(what):
+        return {frame: shop.folder / f"view/{what}_{frame:04d}.vtp" for frame in frames if shop.has(f"view/{what}_{frame:04d}")}
+
+    of_phase = phase_colours(run.species, run.matrix)
+    found = [Layer("sample", "sample", lambda _: hexadecimal(LIGHT_GREY), paths("sample"))]
+    if run.objects:
+        found.append(Layer("objects", "objects", object_colour, paths("objects"), numbers="object"))
+    for label, colour in of_phase.items():
+        if label != run.matrix and label not in run.species_of_objects:
+            name = run.names.get(label, f"label {label}")
+            found.append(Layer("phase", name, lambda _, colour=colour: colour, paths(f"phase{label}")))
+    found.append(Layer("pores", "pores", lambda _: INDIGO, paths("pores")))
+    return [one for one in found if one.paths]
+
+
+def cost_of_view(shop, pieces):
+    """One line for the many small steps behind the view."""
+    summaries = [shop.summary(piece.name) for piece in pieces if shop.has(piece.name)]
+    if not summaries:
+        return {}
+    total = {key: sum(one[key] for one in summaries) for key in ("wall_seconds", "cpu_seconds")}
+    return {"mesh_view": {"tool": "mesh_recon", **total, "peak_bytes": max(one["peak_bytes"] for one in summaries)}}
+
+
+def run_report(request):
+    if request["REPORT"].suffix not in (".html", ".htm"):
+        raise WrongUsage(f"REPORT '{request['REPORT']}': the name must end in .html")
+    run = RunFacts(request["RUN"])
+    with contextlib.ExitStack() as stack:
+        folder = request["--with"]
+        if folder is None:
+            folder = pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="tomodem-report-")))
+        elif not folder.is_dir():
+            raise InvalidInput(f"cannot read --with '{folder}': there is no such folder; create it first")
+        make_page(request, run, folder, stack)
+
+
+def make_page(request, run, folder, stack):
+    import pieces
+    import view_meshes
+    from page import Page
+
+    frames = view_meshes.chosen_frames(run.frame_count)
+    surfaces = pieces.surfaces(run, frames)
+    wanted = [*pieces.measures(run), *pieces.pictures(run, request["--size"]), *surfaces]
+    shop = stack.enter_context(pieces.Workshop(run, folder, tools_folder(), request))
+    progress = stack.enter_context(Progress(request, len(wanted) + 1))
+    shop.make_all(wanted, progress)
+
+    packed, bounds, triangles = view_meshes.pack_layers(layers(run, shop, frames), frames, request.threads)
+    steps = Steps(run, [folder, run.path.parent])
+    page = Page(run, shop, steps, {"frames": frames, "layers": packed, "bounds": bounds, "triangles": triangles,
+                                   "costs": cost_of_view(shop, surfaces)})
+    text = page.text()
+    write_atomically(request["REPORT"], text)
+
+    request.report("frames", run.frame_count)
+    request.report("frames_of_view", len(frames))
+    request.report("triangles_of_view", triangles)
+    request.report("pieces_made", len(shop.made))
+    request.report("pieces_reused", len(shop.reused))
+    request.report("events", len(page.events))
+    request.report("size", round(len(text.encode()) / 1e6, 3), "MB")
+    for line in page.warnings():
+        request.warn(line)
+
+
+if __name__ == "__main__":
+    from version import VERSION
+
+    sys.exit(main(USAGE, VERSION, run_report))

@@ -1,0 +1,1 @@
+"""What goes into the page as it is: style, script and frame of the 3-D view."""

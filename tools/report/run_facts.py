@@ -1,0 +1,193 @@
+"""What a page needs to know of a run or a sample before anything is measured."""
+import dataclasses
+import functools
+import json
+import os
+import pathlib
+import shlex
+import tomllib
+
+import h5py
+import numpy as np
+
+from command_line import InvalidInput
+
+
+@dataclasses.dataclass(frozen=True)
+class Provenance:
+    tool: str
+    version: str
+    command_line: str
+    scene: str
+    inputs: tuple  # names
+
+
+def real_paths(words, folder):
+    """What relative paths mean here, and what they mean in the folder."""
+    return {os.path.realpath(os.path.join(base, word)) for word in words for base in (".", folder)}
+
+
+def text_of(value):
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def provenance_of(file):
+    group = file.get("parameters/tomodem")
+    if group is None:
+        return Provenance("", "", "", "", ())
+
+    def text(name):
+        return text_of(group[name][()]) if name in group else ""
+
+    names = group["inputs/name"][()] if "inputs/name" in group else ()
+    return Provenance(text("tool"), text("version"), text("command_line"), text("scene"), tuple(map(text_of, names)))
+
+
+class RunFacts:
+    """Everything but the positions of all frames, read once.
+
+    @throws InvalidInput if the file is no H5MD file of particles
+    """
+
+    def __init__(self, path):
+        self.path = path
+        try:
+            with h5py.File(path) as file:
+                self.read(file)
+        except (OSError, KeyError, ValueError, AttributeError) as error:
+            reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+            raise InvalidInput(f"cannot read '{path}': it is no run or sample ({reason})") from None
+
+    def read(self, file):
+        particles = file["particles/all"]
+        position = particles["position"]
+        value = position["value"]
+        times = position["time"][()]
+        # What a solver was stopped in, or is still writing, is marked by a step below zero.
+        steps = position["step"][()]
+        self.frame_count = int(np.count_nonzero(steps >= 0)) if len(steps) == len(value) else len(value)
+        if self.frame_count == 0 or value.shape[1] == 0:
+            raise ValueError("it has no frame with particles")
+        self.frame_time = np.asarray(times[: self.frame_count], float)
+        self.particles = value.shape[1]
+        self.seed_radius = float(particles.attrs["seed_radius"])
+        self.species = dict(zip(*(column.tolist() for column in np.unique(particles["species"][()], return_counts=True))))
+        self.objects = 0
+        self.species_of_objects = set()
+        if "object" in particles:
+            number, species = particles["object"][()], particles["species"][()]
+            self.objects = int(len(np.unique(number[number > 0])))
+            self.species_of_objects = set(species[number > 0].tolist())
+        self.extent = [np.array([one.min(axis=0), one.max(axis=0)]) for one in (value[0], value[self.frame_count - 1])]
+        self.fields = {name for name, one in particles.items() if isinstance(one, h5py.Group) and "value" in one}
+        self.curves = {
+            name: (one["time"][()][one["step"][()] >= 0], one["value"][()][one["step"][()] >= 0])
+            for name, one in file.get("observables", {}).items()
+            if isinstance(one, h5py.Group) and "value" in one
+        }
+        self.provenance = provenance_of(file)
+
+    @functools.cached_property
+    def frame_strain(self):
+        """True strain of each frame; not a number where the file has no such curve."""
+        if "strain" not in self.curves:
+            return np.full(self.frame_count, np.nan)
+        time, strain = self.curves["strain"]
+        known = np.isfinite(strain)
+        return np.interp(self.frame_time, time[known], strain[known])
+
+    @functools.cached_property
+    def scene(self):
+        try:
+            return tomllib.loads(self.provenance.scene)
+        except tomllib.TOMLDecodeError:
+            return {}
+
+    @property
+    def matrix(self):
+        """Label of the phase with most particles."""
+        return max(self.species, key=lambda label: self.species[label])
+
+    @functools.cached_property
+    def names(self):
+        """Label -> name of the phase, as far as the scene says."""
+        return {phase["label"]: name for name, phase in self.scene.get("phase", {}).items() if "label" in phase}
+
+    @property
+    def unit(self):
+        """In which small places and volumes are read well: its name, and how many of it are a millimetre."""
+        return ("mm", 1) if self.seed_radius >= 0.05 else ("µm", 1000)
+
+    @property
+    def load_axis(self):
+        """Across which the press planes are; empty where there are none."""
+        axis = self.scene.get("load", {}).get("axis", "z")
+        return axis if "force_top" in self.curves and axis in ("x", "y", "z") else ""
+
+
+class Steps:
+    """The summaries (--json) of the tools that made a run, and of those that measured it, found in some folders.
+
+    A summary belongs to a run if its command wrote the run, an input of such a command, or read one of these. Commands are
+    known by what the files themselves say of their making, so what is left of an earlier run stays out.
+    """
+
+    ORDER = ("phantom_", "volume_info", "grey_histogram", "packgen", "vol2pack", "carve", "relax", "solve")
+
+    def __init__(self, run, folders):
+        summaries = {}
+        for folder in folders:
+            for path in sorted(folder.glob("*.json")):
+                summary = self.read(path)
+                if summary is not None and summary["tool"] != "report":
+                    summaries.setdefault(path.stem, summary)
+        commands, files = self.history(run)
+        self.of_run = {}
+        for name, one in sorted(summaries.items(), key=lambda item: self.place(item[1])):
+            words = shlex.split(one["command_line"])
+            if one["command_line"] in commands or files.intersection(real_paths(words[1:2], run.path.parent)):
+                self.of_run[name] = one
+                # What is drawn of a mesh of this run is a picture of this run.
+                if one["tool"] == "mesh_recon":
+                    files |= real_paths(words[2:3], run.path.parent)
+
+    @staticmethod
+    def read(path):
+        try:
+            summary = json.loads(path.read_text())
+        except (OSError, ValueError):
+            return None
+        wanted = ("tool", "command_line", "wall_seconds", "cpu_seconds", "peak_bytes")
+        return summary if isinstance(summary, dict) and all(key in summary for key in wanted) else None
+
+    @staticmethod
+    def place(summary):
+        for place, tool in enumerate(Steps.ORDER):
+            if summary["tool"].startswith(tool):
+                return place
+        return len(Steps.ORDER) + {"mesh_recon": 1, "render": 2}.get(summary["tool"], 0)
+
+    @staticmethod
+    def history(run):
+        """Command lines that made a run and its inputs; the run and the images it comes from."""
+        commands, files = set(), {os.path.realpath(run.path)}
+        todo, seen = [run.provenance], set()
+        while todo:
+            provenance = todo.pop()
+            commands.add(provenance.command_line)
+            for name in set(provenance.inputs) - seen:
+                seen.add(name)
+                if provenance.tool == "vol2pack":
+                    files |= real_paths([name], run.path.parent)
+                for place in (name, run.path.parent / pathlib.PurePath(name).name):
+                    try:
+                        with h5py.File(place) as file:
+                            todo.append(provenance_of(file))
+                        break
+                    except OSError:
+                        continue
+        return commands - {""}, files
+
+    def first(self, tool):
+        """The summary of the first step by this tool (or whose name begins so), or nothing."""
+        return next((one for one in self.of_run.values() if one["tool"].startswith(tool)), None)
