@@ -65,7 +65,7 @@ ChosenObjects choose_objects(const Packing& packing, const ObjectChoice& choice)
     }
     if (result.used.empty())
         throw InvalidInput(
-            fmt::format("none of the {} objects can be measured: {} are too small (the largest has {} "
+            fmt::format("none of the {} objects can be measured: {} are too small or flat (the largest has {} "
                         "particles, --min-particles is {}), {} touch the boundary",
                         objects.size(), result.too_small, largest, choice.min_particles, result.at_boundary));
     return result;

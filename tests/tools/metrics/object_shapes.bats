@@ -98,6 +98,6 @@ import numpy as np
 from ellipsoid_packing import write_objects
 write_objects("two.h5", [np.array([[0.0, 0, 0], [1, 1, 1]])], 0.5)
 write_objects("flat.h5", [np.array([[x, y, x + y] for x in range(9) for y in range(9)], float)], 0.5)'
-    fails 1 "1 are too small (the largest has 2 particles" object_shapes two.h5 out.csv
+    fails 1 "1 are too small or flat (the largest has 2 particles" object_shapes two.h5 out.csv
     fails 1 "none of the 1 objects can be measured" object_shapes flat.h5 out.csv
 }
