@@ -10,7 +10,6 @@
 
 #include "core/error.hpp"
 #include "tools/metrics/assignment.hpp"
-#include "tools/metrics/voxelised_run.hpp"
 
 namespace tomodem {
 namespace {
@@ -68,6 +67,12 @@ std::vector<RunBody> measure_objects(const Packing& packing, const AlphaSurface&
     return bodies;
 }
 
+std::vector<RunBody> bodies_of_pores(const VoidParts& parts) {
+    std::vector<RunBody> bodies;
+    for (const ImageBody& pore : parts.closed) bodies.push_back({pore.number, 0, 0, pore.at_boundary, pore.shape});
+    return bodies;
+}
+
 const char* name_of(MatchedBy matched) {
     switch (matched) {
         case MatchedBy::overlap:
@@ -82,14 +87,12 @@ const char* name_of(MatchedBy matched) {
     return "image_only";
 }
 
-Comparison compare(const Packing& packing, const AlphaSurface& surface, const std::vector<RunBody>& bodies,
-                   const LabelVolume& image, const ImageObjects& objects, Connectivity connectivity, int threads) {
+Comparison compare(const LabelVolume& run, const Side<RunBody>& run_side, const LabelVolume& image,
+                   const Side<ImageBody>& image_side, Connectivity connectivity) {
     Comparison result;
     const VoxelIndex size = image.size();
     result.voxels = std::int64_t{size[0]} * size[1] * size[2];
-    const VoxelisedRun run = voxelise(packing, surface, {size, image.spacing(), image.origin()}, threads);
-
-    for (const auto& [labels, voxels] : count_pairs(image, run.species)) {
+    for (const auto& [labels, voxels] : count_pairs(image, run)) {
         result.phase[labels.first].image += voxels;
         result.phase[labels.second].run += voxels;
         if (labels.first != labels.second) continue;
@@ -97,22 +100,27 @@ Comparison compare(const Packing& packing, const AlphaSurface& surface, const st
         result.equal += voxels;
     }
     result.image_porosity = closed_porosity(image, connectivity);
-    result.run_porosity = closed_porosity(run.species, connectivity);
+    result.run_porosity = closed_porosity(run, connectivity);
 
+    const auto& bodies = run_side.bodies;
+    const auto& objects = image_side.bodies;
     std::map<std::int32_t, std::size_t> run_place, image_place;
     for (std::size_t i = 0; i < bodies.size(); ++i) run_place[bodies[i].number] = i;
-    for (std::size_t i = 0; i < objects.used.size(); ++i) image_place[objects.used[i].number] = i;
+    for (std::size_t i = 0; i < objects.size(); ++i) image_place[objects[i].number] = i;
     std::vector<std::int64_t> run_voxels(bodies.size(), 0);
     PairCounts shared;
-    for (const auto& [numbers, voxels] : count_pairs(objects.region, run.object)) {
-        const auto of_run = run_place.find(numbers.second);
-        if (of_run == run_place.end()) continue;
-        run_voxels[of_run->second] += voxels;
-        const std::int32_t number = objects.number_of_region[numbers.first];
-        if (number > 0) shared[{numbers.second, number}] += voxels;
+    const auto number = [](const auto& side, std::int32_t region) {
+        return side.number_of_region.empty() ? region : side.number_of_region[region];
+    };
+    for (const auto& [regions, voxels] : count_pairs(image_side.region, run_side.region)) {
+        const std::int32_t of_image = number(image_side, regions.first), of_run = number(run_side, regions.second);
+        const auto body = run_place.find(of_run);
+        if (body == run_place.end()) continue;
+        run_voxels[body->second] += voxels;
+        if (of_image > 0) shared[{of_run, of_image}] += voxels;
     }
     const auto match_of = [&](std::int32_t number_run, std::int32_t number_image, MatchedBy by) {
-        Match match{by, &bodies[run_place.at(number_run)], &objects.used[image_place.at(number_image)]};
+        Match match{by, &bodies[run_place.at(number_run)], &objects[image_place.at(number_image)]};
         const auto found = shared.find({number_run, number_image});
         const double both = found == shared.end() ? 0.0 : double(found->second);
         const double sum = double(run_voxels[run_place.at(number_run)] + match.image->voxels);
@@ -135,7 +143,7 @@ Comparison compare(const Packing& packing, const AlphaSurface& surface, const st
     };
     take(MatchedBy::overlap);
     for (const RunBody& of_run : bodies)
-        for (const ImageBody& of_image : objects.used) {
+        for (const ImageBody& of_image : objects) {
             if (done_run.contains(of_run.number) || done_image.contains(of_image.number)) continue;
             const double reach = 2.0 * (ball_radius(of_run.shape.volume) + ball_radius(of_image.shape.volume));
             const double distance = (of_run.shape.centre - of_image.shape.centre).norm();
@@ -146,7 +154,7 @@ Comparison compare(const Packing& packing, const AlphaSurface& surface, const st
         if (!done_run.contains(of_run.number)) result.matches.push_back({MatchedBy::run_only, &of_run, nullptr});
     std::sort(result.matches.begin(), result.matches.end(),
               [](const Match& a, const Match& b) { return a.run->number < b.run->number; });
-    for (const ImageBody& of_image : objects.used)
+    for (const ImageBody& of_image : objects)
         if (!done_image.contains(of_image.number))
             result.matches.push_back({MatchedBy::image_only, nullptr, &of_image});
     return result;

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,8 @@
 /// A frame of a run beside the tomography of the same strain.
 namespace tomodem {
 
-/// One object of a run, as object_shapes measures it.
+/// One object of a run, as object_shapes measures it; or one of its pores, as image_shapes does in the voxels of the
+/// run.
 struct RunBody {
     std::int32_t number = 0, species = 0;
     std::int64_t particles = 0;
@@ -23,6 +25,8 @@ struct RunBody {
 /// @param surface  surface_of_all of them
 std::vector<RunBody> measure_objects(const Packing& packing, const AlphaSurface& surface,
                                      const std::vector<Object>& objects, int axis);
+
+std::vector<RunBody> bodies_of_pores(const VoidParts& parts);
 
 enum class MatchedBy { overlap, centre, run_only, image_only };
 const char* name_of(MatchedBy matched);
@@ -52,15 +56,22 @@ struct Comparison {
     double image_porosity = 0.0;
 };
 
+/// The bodies of one side, and their voxels.
+template <class Body>
+struct Side {
+    const LabelVolume& region;
+    std::span<const std::int32_t> number_of_region;  ///< number of the body, 0: none; empty: the regions are numbers
+    std::span<const Body> bodies;                    ///< outlives the comparison
+};
+
 /// Pairs of objects: first those that share voxels, so that the sum of dice() is largest, then of the rest those whose
 /// centres are nearer than twice the sum of the radii of balls of their volumes, so that the sum of the nearness (1:
 /// same place, 0: that far) is largest.
 ///
-/// @param packing  of the frame, and @param surface as above
-/// @param image    labels, where the run is
-/// @param objects  measured in that image; @param bodies  in the run
-Comparison compare(const Packing& packing, const AlphaSurface& surface, const std::vector<RunBody>& bodies,
-                   const LabelVolume& image, const ImageObjects& objects, Connectivity connectivity, int threads);
+/// @param run    labels of the run, on the voxels of the image
+/// @param image  labels
+Comparison compare(const LabelVolume& run, const Side<RunBody>& run_side, const LabelVolume& image,
+                   const Side<ImageBody>& image_side, Connectivity connectivity);
 
 /// Centre of what is not void [mm].
 Vec3 centre_of_matter(const LabelVolume& image);

@@ -15,6 +15,7 @@
 #include "tools/metrics/compare_shapes.hpp"
 #include "tools/metrics/strain_curves.hpp"
 #include "tools/metrics/table.hpp"
+#include "tools/metrics/voxelised_run.hpp"
 
 namespace {
 using namespace tomodem;
@@ -25,14 +26,14 @@ struct Request {
     ObjectLabels objects;
     std::string connectivity = "6", align = "none";
     std::int64_t frame = -1, min_particles = 20, min_voxels = 27;
-    bool exclude_boundary = false;
+    bool exclude_boundary = false, pores = false;
 };
 
 cli::Usage usage(Request& request) {
     cli::Usage usage("compare_shapes",
                      "Compare a frame of a run with a tomography of the same strain: matched objects, their shapes, "
                      "the overlap of phases, pores.");
-    usage.input("RUN", request.run, "run or sample (.h5) whose objects are told apart");
+    usage.input("RUN", request.run, "run or sample (.h5); its objects are told apart unless --pores");
     add_volume(usage, request.volume)
         .output("TABLE", request.table, "one row for each pair of objects and each object left over, to write (.csv)")
         .option("--frame", request.frame, cli::Unit::none, {.low = -1}, "frame of the run, from 0; -1 is the last")
@@ -40,6 +41,10 @@ cli::Usage usage(Request& request) {
                 "labels of the image of which each connected component is an object, as 2,3; or all")
         .option("--label-objects", request.objects.labels,
                 "labels of the image that are one object each, and their label in the run, as 2:500=1 (watershed)")
+        .flag("--pores", request.pores,
+              "the closed pores of both instead: connected components of void that reach no face of the image")
+        .exclusive({"--objects", "--pores"})
+        .exclusive({"--label-objects", "--pores"})
         .choice("--connectivity", request.connectivity, {"6", "18", "26"},
                 "neighbours of a voxel: by faces, by edges too, by corners too")
         .choice("--align", request.align, {"none", "centre"},
@@ -47,10 +52,11 @@ cli::Usage usage(Request& request) {
         .option("--min-particles", request.min_particles, cli::Unit::particles, {.low = 4},
                 "objects of the run with fewer are left out")
         .option("--min-voxels", request.min_voxels, cli::Unit::voxels, cli::positive,
-                "objects of the image with fewer are left out")
+                "objects of the image, or pores, with fewer are left out")
         .flag("--exclude-boundary", request.exclude_boundary,
               "leave out objects at a face: of the image, or within a particle diameter of the sample's outer box")
-        .example("compare_shapes run.h5 scan_07.tif compared.csv --frame 12 --objects 2 --align centre");
+        .example("compare_shapes run.h5 scan_07.tif compared.csv --frame 12 --objects 2 --align centre")
+        .example("compare_shapes run.h5 scan_07.tif pores.csv --frame 12 --pores");
     return usage;
 }
 
@@ -198,7 +204,7 @@ void report_matches(const std::vector<Match>& matches) {
     cli::report("objects_run_only", run_only);
     cli::report("objects_image_only", image_only);
     if (matched == 0) {
-        cli::warn("no object of the run has one in the image");
+        cli::warn("nothing of the run has its like in the image");
         return;
     }
     const double n = double(matched);
@@ -230,8 +236,12 @@ void report_phases(const Comparison& comparison) {
 }
 
 void run(const Request& request) {
-    if (request.objects.components.empty() && request.objects.labels.empty())
-        throw WrongUsage("say what the objects of the image are: --objects or --label-objects");
+    if (!request.pores && request.objects.components.empty() && request.objects.labels.empty())
+        throw WrongUsage("say what to compare: --objects or --label-objects of the image, or --pores");
+    if (request.pores && request.exclude_boundary)
+        throw WrongUsage("--exclude-boundary belongs to objects: a pore at a face of the image is not closed");
+    if (request.pores && cli::given("--min-particles"))
+        throw WrongUsage("--min-particles belongs to objects; pores are chosen by --min-voxels");
     const RunReader reader(request.run);
     const auto last = std::int64_t(reader.frame_count()) - 1;
     const std::int64_t frame = request.frame < 0 ? last : request.frame;
@@ -240,8 +250,12 @@ void run(const Request& request) {
             fmt::format("'{}' has no frame {}: its frames are 0 to {}", request.run.string(), frame, last));
     const int axis = load_axis(reader, request.run);
     Packing packing = reader.packing();
-    const ChosenObjects chosen = choose_objects(
-        packing, {.min_particles = std::size_t(request.min_particles), .exclude_boundary = request.exclude_boundary});
+    const BodyChoice choice{request.min_voxels, request.exclude_boundary, axis};
+    std::vector<Object> objects_of_run;
+    if (!request.pores)
+        objects_of_run = choose_objects(packing, {.min_particles = std::size_t(request.min_particles),
+                                                  .exclude_boundary = request.exclude_boundary})
+                             .used;
     packing.position = reader.frame(std::size_t(frame)).position;
 
     LabelVolume image = read_label_volume(request.volume.path, volume_options(request.volume));
@@ -255,18 +269,32 @@ void run(const Request& request) {
         for (Vec3& p : packing.position) p += shift;
     }
     require_same_place(image, packing);
-    const ImageObjects objects = image_objects(image, labels, {request.min_voxels, request.exclude_boundary, axis});
+    const auto finish = [&](const Comparison& comparison) {
+        write_pairs(comparison.matches, request.table);
+        cli::report("frame", frame);
+        cli::report("strain", frame_strain(reader, std::size_t(frame)));
+        for (int c = 0; c < 3; ++c) cli::report(fmt::format("run_moved_{}", "xyz"[c]), shift[c], "mm");
+        report_matches(comparison.matches);
+        report_phases(comparison);
+    };
     const AlphaSurface surface = surface_of_all(packing.position, packing.seed_radius);
-    const std::vector<RunBody> bodies = measure_objects(packing, surface, chosen.used, axis);
-    const Comparison comparison =
-        compare(packing, surface, bodies, image, objects, labels.connectivity, cli::threads());
-
-    write_pairs(comparison.matches, request.table);
-    cli::report("frame", frame);
-    cli::report("strain", frame_strain(reader, std::size_t(frame)));
-    for (int c = 0; c < 3; ++c) cli::report(fmt::format("run_moved_{}", "xyz"[c]), shift[c], "mm");
-    report_matches(comparison.matches);
-    report_phases(comparison);
+    const auto voxelised = [&] {
+        return voxelise(packing, surface, {image.size(), image.spacing(), image.origin()}, cli::threads());
+    };
+    if (request.pores) {
+        const VoidParts of_image = void_parts(image, labels.connectivity, choice);
+        const VoxelisedRun run = voxelised();
+        const VoidParts of_run = void_parts(run.species, labels.connectivity, choice);
+        const std::vector<RunBody> bodies = bodies_of_pores(of_run);
+        finish(compare(run.species, {of_run.region, of_run.number_of_region, bodies}, image,
+                       {of_image.region, of_image.number_of_region, of_image.closed}, labels.connectivity));
+    } else {
+        const ImageObjects of_image = image_objects(image, labels, choice);
+        const std::vector<RunBody> bodies = measure_objects(packing, surface, objects_of_run, axis);
+        const VoxelisedRun run = voxelised();
+        finish(compare(run.species, {run.object, {}, bodies}, image,
+                       {of_image.region, of_image.number_of_region, of_image.used}, labels.connectivity));
+    }
 }
 }  // namespace
 

@@ -288,15 +288,16 @@ ImageObjects image_objects(LabelVolume& volume, const ObjectLabels& wanted, cons
 
 VoidParts void_parts(const LabelVolume& volume, Connectivity connectivity, const BodyChoice& choice) {
     const VoxelIndex size = volume.size();
-    VoidParts result;
+    VoidParts result{LabelVolume({1, 1, 1}, volume.spacing()), {}, {}};
     result.voxels = std::int64_t{size[0]} * size[1] * size[2];
-    const Components parts = connected_components(volume, {0}, Joining::same_label, connectivity);
+    Components parts = connected_components(volume, {0}, Joining::same_label, connectivity);
     std::vector<std::int32_t> numbers;
     for (std::size_t i = 0; i < parts.voxels.size(); ++i) numbers.push_back(static_cast<std::int32_t>(i + 1));
     const std::vector<VoxelSums> sums = voxel_sums(parts.number, numbers);
     if (sums.size() == 1 && sums[0].voxels == result.voxels)
         throw InvalidInput("the image has no pores: all of it is void (label 0)");
     const auto weights = crofton_weights(volume.spacing());
+    result.number_of_region.assign(sums.size() + 1, 0);
     for (std::size_t i = 0; i < sums.size(); ++i) {
         ImageBody body = body_of(sums[i], 0, 0, volume, weights, choice.axis);
         if (body.at_boundary) {
@@ -310,8 +311,10 @@ VoidParts void_parts(const LabelVolume& volume, Connectivity connectivity, const
             continue;
         }
         body.number = static_cast<std::int32_t>(result.closed.size() + 1);
+        result.number_of_region[i + 1] = body.number;
         result.closed.push_back(std::move(body));
     }
+    result.region = std::move(parts.number);
     return result;
 }
 

@@ -87,10 +87,12 @@ struct BodyChoice {
 ImageObjects image_objects(LabelVolume& volume, const ObjectLabels& labels, const BodyChoice& choice);
 
 struct VoidParts {
-    std::vector<ImageBody> closed;   ///< those that touch no face of the image
-    std::int64_t too_small = 0;      ///< closed, with fewer voxels than asked for, or all in one plane
-    std::int64_t open = 0;           ///< parts of the void that touch a face
-    std::int64_t closed_voxels = 0;  ///< too small ones included
+    LabelVolume region;                          ///< a number of each voxel of void
+    std::vector<std::int32_t> number_of_region;  ///< the closed pore's, 0: none or left out; index 0: no void
+    std::vector<ImageBody> closed;               ///< those that touch no face of the image, by number
+    std::int64_t too_small = 0;                  ///< closed, with fewer voxels than asked for, or all in one plane
+    std::int64_t open = 0;                       ///< parts of the void that touch a face
+    std::int64_t closed_voxels = 0;              ///< too small ones included
     std::int64_t open_voxels = 0;
     std::int64_t voxels = 0;  ///< of the image
 };

@@ -95,12 +95,26 @@ PYTHON
     grep -q "^run_only,4,,2,," out.csv
 }
 
+@test "closed pores of a sample without objects are found in its voxels" {
+    "$TOMODEM_BIN/phantom_pores" pores.tif --size 80 --voxel-size 10um --porosity 0.05 --median-diameter 260um --spread 0 --clusters 0 --quiet
+    "$TOMODEM_BIN/vol2pack" "$BATS_FILE_TMPDIR/brick.h5" pores.tif porous.h5 --pixels-per-seed 2 --quiet 2>/dev/null
+    compare_shapes porous.h5 pores.tif out.csv --pores --json out.json
+    [ "$(value objects_matched out.json)" -eq "$(/usr/bin/python3 -c 'import json; print(json.load(open("pores.json"))["count"])')" ]
+    [ "$(value objects_run_only out.json)" -eq 0 ]
+    close "$(value closed_porosity_run out.json)" "$(value closed_porosity_image out.json)" 0.05
+    below "$(value mean_abs_shape_factor_difference out.json)" 0.05
+    close "$(value mean_dice out.json)" 0.95 0.05
+}
+
 @test "bad requests are refused with one line and no table" {
     "$synthetic_run" plain.h5
     /usr/bin/python3 -c '
 import numpy as np
 np.zeros((80, 80, 80), "u1").tofile("void.raw")'
-    fails 2 "say what the objects of the image are" compare_shapes sample.h5 phantom.tif out.csv
+    fails 2 "say what to compare" compare_shapes sample.h5 phantom.tif out.csv
+    fails 2 "exclude each other" compare_shapes sample.h5 phantom.tif out.csv --objects 2 --pores
+    fails 2 "--exclude-boundary belongs to objects" compare_shapes sample.h5 phantom.tif out.csv --pores --exclude-boundary
+    fails 2 "--min-particles belongs to objects" compare_shapes sample.h5 phantom.tif out.csv --pores --min-particles 9
     fails 1 "has no frame 3: its frames are 0 to 0" compare_shapes sample.h5 phantom.tif out.csv --objects 2 --frame 3
     fails 1 "has no objects" compare_shapes plain.h5 phantom.tif out.csv --objects 2
     fails 1 "--objects 5: the image has no such label" compare_shapes sample.h5 phantom.tif out.csv --objects 5

@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "tests/unit/metrics/synthetic_run.hpp"
+#include "tools/metrics/voxelised_run.hpp"
 
 namespace tomodem {
 namespace {
@@ -78,7 +79,11 @@ Compared compared(const Packing& sample, LabelVolume volume) {
     const AlphaSurface surface = surface_of_all(sample.position, sample.seed_radius);
     std::vector<RunBody> bodies = measure_objects(sample, surface, choose_objects(sample, {}).used, 2);
     Compared result{std::move(volume), std::move(objects), std::move(bodies), {}};
-    result.comparison = compare(sample, surface, result.bodies, result.volume, result.objects, Connectivity::faces, 2);
+    const LabelVolume& voxels = result.volume;
+    const VoxelisedRun run = voxelise(sample, surface, {voxels.size(), voxels.spacing(), voxels.origin()}, 2);
+    result.comparison =
+        compare(run.species, {run.object, {}, result.bodies}, voxels,
+                {result.objects.region, result.objects.number_of_region, result.objects.used}, Connectivity::faces);
     return result;
 }
 
@@ -191,6 +196,21 @@ TEST(Compare, PoresOfBothAreMeasuredOnTheSameVoxels) {
     EXPECT_NEAR(porous.comparison.image_porosity, 179.6 / 8000, 1e-3);
     EXPECT_NEAR(porous.comparison.run_porosity / porous.comparison.image_porosity, 1.0, 0.05);
     EXPECT_GT(porous.comparison.phase.at(0).dice(), least_dice(3.5));
+
+    // The pore itself, side by side.
+    const AlphaSurface surface = surface_of_all(solid.position, solid.seed_radius);
+    const LabelVolume& voxels = porous.volume;
+    const VoxelisedRun run = voxelise(solid, surface, {voxels.size(), voxels.spacing(), voxels.origin()}, 2);
+    const VoidParts of_run = void_parts(run.species, Connectivity::faces, {});
+    const VoidParts of_image = void_parts(voxels, Connectivity::faces, {});
+    const std::vector<RunBody> pores = bodies_of_pores(of_run);
+    const Comparison both = compare(run.species, {of_run.region, of_run.number_of_region, pores}, voxels,
+                                    {of_image.region, of_image.number_of_region, of_image.closed}, Connectivity::faces);
+    ASSERT_EQ(both.matches.size(), 1u);
+    EXPECT_EQ(both.matches[0].by, MatchedBy::overlap);
+    EXPECT_GT(both.matches[0].dice, least_dice(3.5));
+    EXPECT_NEAR(both.matches[0].run->shape.volume / both.matches[0].image->shape.volume, 1.0, 0.05);
+    EXPECT_NEAR(both.matches[0].run->shape.shape_factor, 1.0, 0.03);
 }
 
 TEST(CentreOfMatter, LeavesOutVoid) {
