@@ -110,7 +110,10 @@ class Workshop:
         # A piece made of another one waits for it.
         for layer in (lambda one: not one.source, lambda one: one.source):
             with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-                waiting = {pool.submit(self.make, one, 1): one for one in todo if not one.wide and layer(one)}
+                waiting = {
+                    pool.submit(self.make, one, 1): one for one in todo
+                    if not one.wide and layer(one) and (not one.source or (self.folder / one.source).exists())
+                }
                 for done in concurrent.futures.as_completed(waiting):
                     done.result()
                     progress(waiting[done].name)
