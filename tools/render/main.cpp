@@ -22,7 +22,7 @@ using namespace tomodem;
 struct Request {
     std::filesystem::path input, picture, view_of;
     std::int64_t frame = -1, only_species = 0, turntable = 0;
-    double slice_place = 0.5, opacity = 0.18, pictures_per_second = 12.0, probe_radius = 0.0;
+    double slice_place = 0.5, opacity = 0.18, pictures_per_second = 12.0, probe_radius = 0.0, lid_radius = 0.0;
     std::string frames = "last", colour = "phase", range, cut = "none", slice = "none", arrows, press = "none", labels;
     std::string size = "1200x900", background = "white";
     bool objects = false, pores = false, no_outline = false;
@@ -59,6 +59,8 @@ cli::Usage usage(Request& request) {
         .flag("--pores", request.pores, "closed pores in the translucent sample, instead of particles")
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
                 "of these surfaces, as in mesh_recon; one particle diameter where not given")
+        .option("--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
+                "with --pores: those with a mouth too, under a lid that a ball of this radius rolls on")
         .option("--opacity", request.opacity, cli::Unit::fraction, share, "of the translucent sample")
         .choice("--press", request.press, {"x", "y", "z", "none"}, "show the two press planes across this axis")
         .flag("--no-outline", request.no_outline, "leave out the thin box around the first frame")
@@ -138,6 +140,7 @@ void check_combination(const Request& request) {
     for (const char* flag : {"--probe-radius", "--opacity"})
         if (!request.objects && !request.pores && cli::given(flag))
             throw WrongUsage(fmt::format("{} goes with --objects or --pores", flag));
+    if (!request.pores && cli::given("--lid-radius")) throw WrongUsage("--lid-radius goes with --pores");
     if (request.picture.extension() != ".mp4" && cli::given("--pictures-per-second"))
         throw WrongUsage("--pictures-per-second is of a movie, whose name ends in .mp4");
 }
@@ -155,6 +158,7 @@ SubjectOptions subject_options(const Request& request, const RunReader& run) {
     options.pores = request.pores;
     options.opacity = request.opacity;
     options.probe_radius = request.probe_radius;
+    options.lid_radius = request.lid_radius;
     options.press = parse_axis(request.press);
     options.outline = !request.no_outline;
     options.names = phase_names(request, run.provenance());

@@ -237,9 +237,11 @@ void Subject::add_surfaces(const std::vector<Vec3>& positions, Picture& picture)
     }
     if (options_.pores) {
         wanted.bodies = Bodies::pores;
+        wanted.lid_radius = options_.lid_radius;
         const Reconstruction pores = reconstruct(packing, wanted);
         picture.surfaces.push_back(coloured(pores, pore_colour, 1.0));
-        picture.legend.push_back({pore_colour, counted(pores.rows.size(), "closed pore")});
+        picture.legend.push_back(
+            {pore_colour, counted(pores.rows.size(), options_.lid_radius > 0 ? "pore" : "closed pore")});
     }
     wanted.bodies = Bodies::parts;
     picture.surfaces.push_back(coloured(reconstruct(packing, wanted), skin_colour, options_.opacity));

@@ -28,6 +28,7 @@ struct SubjectOptions {
     bool objects = false, pores = false;                  ///< their surfaces in the translucent skin of the sample
     double opacity = 0.18;                                ///< of that skin
     double probe_radius = 0.0;                            ///< of those surfaces [mm]; 0: one diameter
+    double lid_radius = 0.0;                              ///< of pores with a mouth [mm]; 0: closed ones only
     std::optional<int> press = {};                        ///< axis across which the press planes are shown
     bool outline = true;                                  ///< thin box around the first frame
     std::map<std::int32_t, std::string> names = {};       ///< of the phases

@@ -78,10 +78,13 @@ class Page:
         self.solved = next(
             (one for one in self.steps.values() if one["command_line"] == run.provenance.command_line), {})
         self.summary = {name: shop.summary(name) for name in
-                        ("stress_strain", "shape_factor", "volume_change", "equilibrium", "topology")}
+                        ("stress_strain", "shape_factor", "volume_change", "equilibrium", "topology", "pores",
+                         "coordination", "crystallinity", "control_numbers")}
         self.tables = {name: read_table(shop.folder / f"{name}.csv") for name, one in self.summary.items() if one}
         if self.summary["shape_factor"]:
             self.tables["shape_factor_means"] = read_table(shop.folder / "shape_factor_means.csv")
+        if self.summary["pores"]:
+            self.tables["pores_each"] = read_table(shop.folder / "pores_each.csv")
         if self.summary["topology"]:
             self.tables["topology_events"] = read_table(shop.folder / "topology_events.csv")
         self.events = self.read_events()
@@ -151,9 +154,8 @@ class Page:
             figures.append((f"{shape['shape_factor_last']:.3f}",
                             f"shape factor, from {shape['shape_factor_first']:.3f}; mean of "
                             f"{plural(shape['objects_used'], 'object')}"))
-        if found["topology"] and max(self.tables["topology"]["pore_volume"]) > 0:
-            share = self.pore_share()
-            figures.append((percent(share[-1]), f"closed pores, from {percent(share[0])}"))
+        if found["pores"] and max(porosity := self.tables["pores"]["porosity"]) > 0:
+            figures.append((percent(porosity[-1]), f"porosity, from {percent(porosity[0])}" if len(porosity) > 1 else "porosity"))
         if equilibrium := found["equilibrium"]:
             figures.append((percent(equilibrium["equilibrium_error"]), "equilibrium error"))
         if volume := found["volume_change"]:
@@ -161,10 +163,6 @@ class Page:
         if self.solved or self.sample:
             figures.append((seconds(self.time_of_steps()), "from image to measures" if self.sample else "all steps"))
         return "<div class=figures>" + "".join(f"<div><b>{a}</b><span>{b}</span></div>" for a, b in figures) + "</div>"
-
-    def pore_share(self):
-        columns = self.tables["topology"]
-        return columns["pore_volume"] / (columns["volume"] + columns["pore_volume"])
 
     def warnings(self):
         """What makes a result doubtful, in words; also printed when the report is made."""
@@ -257,11 +255,11 @@ class Page:
         if "equilibrium" in found:
             figures.append(curve(plots.equilibrium(found["equilibrium"]),
                                  "|F<sub>top</sub> + F<sub>bottom</sub>| over the mean of |F|"))
+        if "pores" in found and self.run.frame_count > 1 and max(found["pores"]["porosity"]) > 0:
+            figures.append(curve(plots.porosity(found["pores"]),
+                                 "Pores up to where the material ends, those with a mouth too, in the volume of sample and pores"))
         if "topology" in found and self.run.frame_count > 1:
             columns = found["topology"]
-            if max(columns["pore_volume"]) > 0:
-                figures.append(curve(plots.pore_volume(columns), "Closed pores, share of the volume that the sample's outside "
-                                                                 "encloses"))
             if any(min(columns[name]) != max(columns[name]) for name in ("b0", "b1", "b2")):
                 figures.append(curve(plots.topology(columns), "Parts, handles and closed pores of the sample"))
         return "<h2 id=curves>Curves</h2>" + pairs(figures) if figures else ""
@@ -272,12 +270,11 @@ class Page:
             return ""
         rows = [
             (f"frame {int(columns['frame'][k])}", fixed(columns["strain"][k], 3) if np.isfinite(columns["strain"][k]) else "",
-             *(count(int(columns[name][k])) for name in ("b0", "b1", "b2")),
-             percent(self.pore_share()[k]))
+             *(count(int(columns[name][k])) for name in ("b0", "b1", "b2")))
             for k in sorted({0, len(columns["frame"]) - 1})
         ]
         text = "<h2 id=topology>Parts, handles and pores</h2>" + table(
-            ["", "true strain", "parts", "handles", "closed pores", "their volume"], rows)
+            ["", "true strain", "parts", "handles", "closed pores"], rows)
         if self.run.frame_count < 2:
             return text
         if not self.events:
@@ -370,8 +367,55 @@ class Page:
         head = ["object", "particles", f"volume [{unit}³]", "shape factor before", "after", "after / before"]
         return "<h3>Objects</h3>" + table(head, rows)
 
+    def pores(self):
+        columns = self.tables.get("pores_each")
+        if columns is None or not len(columns["pore"]):
+            return ""
+        at = max(columns["frame"])
+        rows = []
+        unit, factor = self.run.unit
+        for k in np.flatnonzero(columns["frame"] == at)[:MOST_ROWS]:
+            volume = columns["volume_corrected"][k]
+            rows.append((str(int(columns["pore"][k])), count(int(columns["particles"][k])),
+                         number(factor**3 * volume) if np.isfinite(volume) else "",
+                         fixed(columns["sphericity"][k], 3) if np.isfinite(columns["sphericity"][k]) else "",
+                         "open" if columns["mouth_area"][k] > 0 else "closed",
+                         ", ".join(number(factor * columns[f"centre_{axis}"][k], 4) for axis in "xyz")))
+        head = ["pore", "particles around it", f"volume [{unit}³]", "sphericity", "", f"centre x, y, z [{unit}]"]
+        return f"<h3>Pores in frame {int(at)}</h3>" + table(head, rows)
+
+    CONTROL = (
+        ("control_numbers", "density", "density D of the packing", 1),
+        ("control_numbers", "stiffness_level", "stiffness level k/(P d)", 1),
+        ("control_numbers", "inertial_number", "inertial number", 1),
+        ("control_numbers", "Q", "kinetic energy over P d³", 1),
+        ("control_numbers", "kinetic_over_elastic", "kinetic over elastic energy", 1),
+        ("coordination", "mean_coordination", "contacts of a particle, mean", 1),
+        ("coordination", "rattlers", "rattlers [% of the particles]", None),
+        ("crystallinity", "crystalline", "crystalline particles [% of those inside]", 100),
+    )
+
+    def control(self):
+        """How near the packing is to what the method assumes, from the rows of all phases together."""
+        rows = []
+        for name, column, words, factor in self.CONTROL:
+            columns = self.tables.get(name)
+            if columns is None or column not in columns:
+                continue
+            whole = np.flatnonzero(np.isnan(columns["species"]))
+            values = columns[column][whole] * (100 / self.run.particles if factor is None else factor)
+            if not len(values) or not np.isfinite(values).any():
+                continue
+            ends = sorted({0, len(values) - 1})
+            rows.append((words, *(number(values[k]) if np.isfinite(values[k]) else "" for k in ends)))
+        if not rows:
+            return ""
+        head = ["", *(["first frame", "last frame"] if len(rows[0]) > 2 else [""])]
+        return "<h3>State of the packing</h3>" + table(head, rows)
+
     def errors(self):
-        return "<h2 id=errors>Errors and shapes</h2>" + self.phases() + "<p></p>" + self.checks() + self.objects()
+        return ("<h2 id=errors>Errors and shapes</h2>" + self.phases() + "<p></p>" + self.checks() + self.objects() + self.pores()
+                + self.control())
 
     @staticmethod
     def which(name, tool):

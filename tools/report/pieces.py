@@ -61,6 +61,14 @@ class Workshop:
             raise InvalidInput(f"the executable {tool} is not at '{path}'; build all of tomodem, or install it")
         return path
 
+    def keep_what_is_not_ours(self, piece):
+        """A run named as a measure is may have its own summary where the measure's would go."""
+        path = self.folder / f"{piece.name}.json"
+        summary = Steps.read(path)
+        if summary is not None and summary["tool"] != piece.tool:
+            raise InvalidInput(f"'{path}' is a summary of {summary['tool']}, and would be written over by that of {piece.tool}; "
+                               "give another folder with --with")
+
     def make(self, piece, threads):
         source = self.folder / piece.source if piece.source else self.run.path
         outputs = {name: self.folder / name for name in piece.files}
@@ -93,6 +101,7 @@ class Workshop:
                 progress(piece.name)
             else:
                 self.executable(piece.tool)
+                self.keep_what_is_not_ours(piece)
                 todo.append(piece)
         threads = self.request.threads
         for piece in [one for one in todo if one.wide]:
@@ -101,7 +110,10 @@ class Workshop:
         # A piece made of another one waits for it.
         for layer in (lambda one: not one.source, lambda one: one.source):
             with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-                waiting = {pool.submit(self.make, one, 1): one for one in todo if not one.wide and layer(one)}
+                waiting = {
+                    pool.submit(self.make, one, 1): one for one in todo
+                    if not one.wide and layer(one) and (not one.source or (self.folder / one.source).exists())
+                }
                 for done in concurrent.futures.as_completed(waiting):
                     done.result()
                     progress(waiting[done].name)
@@ -128,6 +140,11 @@ def measures(run):
         found.append(Piece("volume_change", "volume_change", (), ("volume_change.csv",), wide=True))
     found.append(Piece("topology", "topology", ("--events", "topology_events.csv"),
                        ("topology.csv", "topology_events.csv"), wide=True))
+    found.append(Piece("pores", "pores", ("--each", "pores_each.csv"), ("pores.csv", "pores_each.csv"), wide=True))
+    found.append(Piece("coordination", "coordination", (), ("coordination.csv",)))
+    found.append(Piece("crystallinity", "crystallinity", (), ("crystallinity.csv",)))
+    if {"kinetic_energy", "potential_energy", "force_top"} <= run.curves.keys() and run.provenance.scene:
+        found.append(Piece("control_numbers", "control_numbers", (), ("control_numbers.csv",)))
     return found
 
 

@@ -107,11 +107,10 @@ def equilibrium(curve):
     return drawn(draw)
 
 
-def pore_volume(table):
+def porosity(table):
     def draw(axes):
-        share = 100 * table["pore_volume"] / (table["volume"] + table["pore_volume"])
-        axes.plot(strain_axis(axes, table["strain"]), share, color=INDIGO, lw=2, marker="o", ms=3)
-        axes.set(ylabel="closed pores [% of the sample]", ylim=(0, None))
+        axes.plot(strain_axis(axes, table["strain"]), 100 * table["porosity"], color=INDIGO, lw=2, marker="o", ms=3)
+        axes.set(ylabel="porosity [%]", ylim=(0, None))
 
     return drawn(draw)
 

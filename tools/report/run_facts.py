@@ -136,11 +136,13 @@ class Steps:
 
     def __init__(self, run, folders):
         summaries = {}
-        for folder in folders:
+        for folder in dict.fromkeys(one.resolve() for one in folders):
             for path in sorted(folder.glob("*.json")):
                 summary = self.read(path)
                 if summary is not None and summary["tool"] != "report":
-                    summaries.setdefault(path.stem, summary)
+                    # A run may be named as a measure is.
+                    name = path.stem if path.stem not in summaries else f"{path.stem} beside the run"
+                    summaries[name] = summary
         commands, files = self.history(run)
         self.of_run = {}
         for name, one in sorted(summaries.items(), key=lambda item: self.place(item[1])):

@@ -110,6 +110,8 @@ one_line() { [ "$(wc -l <<<"$stderr")" -eq 1 ]; }
     "$here/write_run.py" pore.h5 15 --pore
     render pore.h5 pores.png --pores --no-outline --size 600x450
     check share pores.png 61,61,143 0.02 0.2
+    render pore.h5 lids.png --pores --lid-radius 7mm --no-outline --size 600x450
+    check share lids.png 61,61,143 0.02 0.2
     render run.h5 none.png --pores --no-outline --size 600x450
     check share none.png 61,61,143 0 0.001
     render run.h5 objects.png --objects --no-outline --size 600x450
@@ -187,7 +189,7 @@ one_line() { [ "$(wc -l <<<"$stderr")" -eq 1 ]; }
 
 @test "options that do not go together are wrong usage" {
     for words in "--range 1,2" "--color height --range 2,1" "--color height --range 2" "--arrows outward" "--slice-place 0.2" \
-        "--pores --color object" "--objects --only-species 1" "--opacity 0.5" "--cut y --slice y" "--pores --cut x" \
+        "--pores --color object" "--objects --only-species 1" "--opacity 0.5" "--lid-radius 5mm" "--cut y --slice y" "--pores --cut x" \
         "--frames all --turntable 4" "--turntable 1" "--pictures-per-second 3" "--slice y --turntable 3"; do
         # shellcheck disable=SC2086
         run -2 --separate-stderr render run.h5 no.png $words

@@ -71,7 +71,7 @@ END
 }
 
 @test "what is there is used again, what is older than the run is made again" {
-    cp -r "$made"/{run.h5,pieces} .
+    cp -a "$made"/{run.h5,pieces} .
     touch -d "1 minute ago" run.h5
     report run.h5 again.html --with pieces --json again.json --quiet
     grep -q '"pieces_made": 0' again.json
@@ -85,10 +85,22 @@ END
 
 @test "pieces of another run are not taken for this one's" {
     cp "$made/run.h5" other.h5
-    cp -r "$made/pieces" .
+    cp -a "$made/pieces" .
     touch -d "1 minute ago" other.h5
     report other.h5 other.html --with pieces --json other.json --quiet
     grep -q '"pieces_reused": 0' other.json
+}
+
+@test "a run that is named as a measure keeps its own summary" {
+    cp "$made/run.h5" pores.h5
+    echo '{"tool": "solve", "command_line": "solve a.h5 b.toml pores.h5", "wall_seconds": 1, "cpu_seconds": 1, "peak_bytes": 1}' \
+        >pores.json
+    cp pores.json kept.json
+    run -1 --separate-stderr report pores.h5 page.html --with .
+    one_line
+    said "'pores.json' is a summary of solve, and would be written over by that of pores"
+    cmp pores.json kept.json
+    [ ! -e page.html ]
 }
 
 @test "the solver's summary beside the run gives the cost, a summary of something else does not" {
@@ -118,7 +130,7 @@ END
 @test "a measure that cannot be made is said, and the page is made without it" {
     mkdir bin
     cp "$TOMODEM_BIN/report" bin/
-    for tool in stress_strain equilibrium shape_factor volume_change mesh_recon render; do ln -s "$TOMODEM_BIN/$tool" bin/; done
+    for tool in stress_strain equilibrium shape_factor volume_change mesh_recon render pores coordination crystallinity; do ln -s "$TOMODEM_BIN/$tool" bin/; done
     printf '#!/bin/sh\necho "topology: broken on purpose" >&2\nexit 1\n' >bin/topology
     chmod +x bin/topology
     run -0 --separate-stderr bin/report "$made/run.h5" page.html
