@@ -1,8 +1,10 @@
 """Curves as drawings inside the page (SVG), one function each; a curve that the run does not have is not drawn."""
 import io
 import itertools
+import logging
 
-import matplotlib
+logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where it keeps its fonts, and that this takes a moment
+import matplotlib  # noqa: E402
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402

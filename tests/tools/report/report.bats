@@ -72,7 +72,7 @@ END
 
 @test "what is there is used again, what is older than the run is made again" {
     cp -a "$made"/{run.h5,pieces} .
-    touch -d "1 minute ago" run.h5
+    touch -d "1 day ago" run.h5
     report run.h5 again.html --with pieces --json again.json --quiet
     grep -q '"pieces_made": 0' again.json
     rm pieces/equilibrium.csv
