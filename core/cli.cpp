@@ -7,11 +7,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <utility>
 
 #include "core/cli_usage.hpp"
@@ -108,6 +110,36 @@ void check_output(const Argument& argument, const std::filesystem::path& path) {
                                        path.string(), folder.string()));
 }
 
+/// Extensions that promise a format; any other name is the user's affair.
+const std::set<std::string> formats{".csv", ".h5",  ".hdf5", ".html", ".json", ".mp4", ".obj", ".ply",
+                                    ".png", ".pvd", ".stl",  ".tif",  ".toml", ".vtp", ".xdmf"};
+
+/// A name that promises another format than the one written; the help of an output names its extensions.
+void check_format(const Argument& argument, const std::filesystem::path& path) {
+    const std::string extension = path.extension().string();
+    if (!formats.contains(extension)) return;
+    std::vector<std::string> written;
+    for (const std::string& format : formats) {
+        const std::size_t at = argument.help.find(format);
+        const std::size_t after = at + format.size();
+        if (at != std::string::npos && (after == argument.help.size() || std::isalnum(argument.help[after]) == 0))
+            written.push_back(format);
+    }
+    if (!written.empty() && std::find(written.begin(), written.end(), extension) == written.end())
+        throw WrongUsage(
+            fmt::format("{} '{}': the name must end in {}", argument.name, path.string(), fmt::join(written, " or ")));
+}
+
+/// Two results in one file: the first would be lost.
+void check_same_output(const std::vector<std::pair<std::string, std::string>>& outputs) {
+    for (std::size_t i = 0; i < outputs.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (std::filesystem::absolute(outputs[i].second).lexically_normal() ==
+                std::filesystem::absolute(outputs[j].second).lexically_normal())
+                throw WrongUsage(fmt::format("{} and {} are both '{}'; give each result a file of its own",
+                                             outputs[j].first, outputs[i].first, outputs[i].second));
+}
+
 /// A result that would take the place of what it is made from is a slip.
 void check_overwriting(const RunningTool& tool, const std::vector<Argument>& arguments,
                        const std::vector<std::vector<std::string>>& words, const std::string& json) {
@@ -119,10 +151,13 @@ void check_overwriting(const RunningTool& tool, const std::vector<Argument>& arg
                     throw InvalidInput(
                         fmt::format("{} '{}' is also an input, which would be lost; give it another name", name, path));
     };
+    std::vector<std::pair<std::string, std::string>> outputs;
     for (std::size_t k = 0; k < arguments.size(); ++k)
         if (arguments[k].kind == Argument::Kind::output && !words[k].empty())
-            check(arguments[k].name, words[k].front());
-    if (!json.empty()) check("--json", json);
+            outputs.emplace_back(arguments[k].name, words[k].front());
+    if (!json.empty()) outputs.emplace_back("--json", json);
+    for (const auto& [name, path] : outputs) check(name, path);
+    check_same_output(outputs);
 }
 
 void store(const Argument& argument, const std::vector<std::string>& words) {
@@ -152,6 +187,7 @@ void store(const Argument& argument, const std::vector<std::string>& words) {
         case Kind::output: {
             const std::filesystem::path path = word;
             check_output(argument, path);
+            check_format(argument, path);
             *static_cast<std::filesystem::path*>(argument.target) = path;
             break;
         }

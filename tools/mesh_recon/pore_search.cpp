@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -115,7 +116,9 @@ void require_lid(const PoreSearch& search) {
 }  // namespace
 
 double Pore::sphericity() const {
-    return std::cbrt(std::numbers::pi) * std::pow(6.0 * body.volume, 2.0 / 3.0) / body.area;
+    // Of a smooth surface over the envelope through its centres, whatever the pore's size (docs/measures.md).
+    constexpr double smooth = 0.87;
+    return std::cbrt(std::numbers::pi) * std::pow(6.0 * body.volume, 2.0 / 3.0) / (smooth * body.area);
 }
 
 double Pores::volume() const {
@@ -153,6 +156,30 @@ void Pores::leave_out_below(double least) {
     surface = surface_part(surface.mesh, number);
 }
 
+std::vector<std::int64_t> lasting_numbers(const Pores& now, const Pores& before,
+                                          const std::vector<std::int64_t>& numbers_before, std::int64_t& next) {
+    constexpr double least_shared = 0.2;
+    std::vector<bool> taken(before.pores.size(), false);
+    std::vector<std::int64_t> numbers;
+    std::vector<std::int32_t> common;
+    for (const Pore& pore : now.pores) {
+        double best = least_shared;
+        std::size_t partner = before.pores.size();
+        for (std::size_t k = 0; k < before.pores.size(); ++k) {
+            if (taken[k]) continue;
+            const std::vector<std::int32_t>& other = before.pores[k].around;
+            common.clear();
+            std::set_intersection(pore.around.begin(), pore.around.end(), other.begin(), other.end(),
+                                  std::back_inserter(common));
+            const double shared = double(common.size()) / double(std::min(pore.around.size(), other.size()));
+            if (shared > best) best = shared, partner = k;
+        }
+        if (partner < before.pores.size()) taken[partner] = true;
+        numbers.push_back(partner < before.pores.size() ? numbers_before[partner] : next++);
+    }
+    return numbers;
+}
+
 Pores find_pores(std::span<const Vec3> centres, const PoreSearch& search) {
     const bool lids = search.lid_radius > 0.0;
     std::vector<Vec3> points(centres.begin(), centres.end());
@@ -174,8 +201,9 @@ Pores find_pores(std::span<const Vec3> centres, const PoreSearch& search) {
     for (std::size_t k = 0; k < surface.pores.size(); ++k) {
         Pore& pore = result.pores.emplace_back(Pore{surface.pores[k]});
         const auto& around = surface.centres_of_pore[k];
-        pore.body.particles =
-            std::lower_bound(around.begin(), around.end(), std::int32_t(centres.size())) - around.begin();
+        pore.around.assign(around.begin(),
+                           std::lower_bound(around.begin(), around.end(), std::int32_t(centres.size())));
+        pore.body.particles = std::int64_t(pore.around.size());
     }
     on_lid.resize(points.size(), true);
     for (std::size_t t = 0; lids && t < surface.mesh.triangles.size(); ++t) {
@@ -231,8 +259,12 @@ Pores pores_by_outward_vectors(std::span<const Vec3> centres, std::span<const Ve
     Pores result;
     result.solid = double(centres.size()) * rolled.inside_volume;
     std::vector<Vec3> walls;
+    std::vector<std::int32_t> centre_of_wall;
     for (std::size_t i = 0; i < centres.size(); ++i)
-        if (outward[i].norm() > least && !exterior[i]) walls.push_back(centres[i]);
+        if (outward[i].norm() > least && !exterior[i]) {
+            walls.push_back(centres[i]);
+            centre_of_wall.push_back(std::int32_t(i));
+        }
     AlphaSurface surface;
     try {
         surface = alpha_surface(walls,
@@ -259,6 +291,8 @@ Pores pores_by_outward_vectors(std::span<const Vec3> centres, std::span<const Ve
         body.volume += (at[a] - body.centre).dot(across) / 6.0;
         body.area += across.norm() / 2.0;
     }
+    for (std::size_t i = 0; i < walls.size(); ++i)
+        if (surface.body_of_centre[i] >= 0) within[surface.body_of_centre[i]].around.push_back(centre_of_wall[i]);
     std::vector<std::int32_t> order(within.size()), place(within.size());
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(),

@@ -10,11 +10,12 @@
 namespace tomodem {
 
 struct Pore {
-    Body body;           ///< of the void; its particles are those around it
-    double mouth = 0.0;  ///< area of the lid over it [mm^2]; 0: closed
+    Body body;                           ///< of the void; its particles are those around it
+    double mouth = 0.0;                  ///< area of the lid over it [mm^2]; 0: closed
+    std::vector<std::int32_t> around{};  ///< the centres around it, increasing
 
     /// Surface of the ball of the same volume over that of the pore, mouth included; 1 for a ball. Both are taken at
-    /// the envelope of the centres. @see Wadell, J. Geol. 40 (1932) 443
+    /// the envelope of the centres, without its roughness. @see Wadell, J. Geol. 40 (1932) 443
     double sphericity() const;
 };
 
@@ -41,6 +42,13 @@ struct Pores {
 /// Radius [mm] of the ball that rolls over the outside where nothing else is said: half of the shortest edge of the box
 /// around the centres, so that it enters what is as wide as the sample itself.
 double default_lid_radius(std::span<const Vec3> centres);
+
+/// Numbers that last: a pore has that of the earlier pore with which it shares most of the centres around both, if that
+/// is a fifth of the smaller set at least; the larger pores choose first, and a new one has the next free number.
+/// @param before, numbers_before  of the frame before, each number once
+/// @param next                    the next free number; is raised
+std::vector<std::int64_t> lasting_numbers(const Pores& now, const Pores& before,
+                                          const std::vector<std::int64_t>& numbers_before, std::int64_t& next);
 
 /// Voids of the alpha shape that no way leads out of, those with a mouth under a lid.
 ///

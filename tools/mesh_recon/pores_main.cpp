@@ -14,6 +14,7 @@
 #include "core/law/self_contact.hpp"
 #include "core/packing_file.hpp"
 #include "core/volume_parallel.hpp"
+#include "tools/export/export_frames.hpp"
 #include "tools/mesh_recon/pore_search.hpp"
 #include "tools/mesh_recon/reconstruction.hpp"
 #include "tools/metrics/strain_curves.hpp"
@@ -36,10 +37,11 @@ cli::Usage usage(Request& request) {
     return cli::Usage{"pores", "Volume, surface, mouths and sphericity of the pores of a sample through a run."}
         .input("RUN", request.run, "run or sample (.h5)")
         .output("TABLE", request.table, "one row for each frame, to write (.csv)")
-        .output_option("--each", request.each, "one row for each pore and frame, to write (.csv)")
+        .output_option("--each", request.each,
+                       "one row for each pore and frame; a pore keeps its number, to write (.csv)")
         .choice("--method", request.method, {"lids", "two-probes", "outward-vectors"},
                 "lids over the mouths; or, to compare, the thesis' difference of two probes or its outward vectors")
-        .choice("--frames", request.frames, {"first", "last", "all"}, "frames of a run")
+        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
                 "a pore is where a ball of this radius fits between the centres; one particle diameter where not "
                 "given, 0.9 with two-probes, 2 around the particles with long outward vectors")
@@ -67,6 +69,23 @@ struct Measure {
 Table::Cell cell(double value) {
     if (std::isnan(value)) return std::monostate{};
     return value;
+}
+
+/// By volume; not a number without pores.
+double mean_sphericity(const Pores& pores) {
+    double sum = 0.0;
+    for (const Pore& pore : pores.pores) sum += pore.body.volume * pore.sphericity();
+    return sum / pores.volume();
+}
+
+/// A probe that passes between the particles of a dense packing makes pores of its gaps.
+void check_probe(double probe_radius, double seed_radius) {
+    const double diameters = probe_radius / default_probe_radius(seed_radius);
+    if (diameters < 0.75)
+        throw InvalidInput(
+            fmt::format("--probe-radius {:g} mm is {:.2g} particle diameters: that passes between the particles of a "
+                        "dense packing, whose gaps are no pores; give 0.9 ({:g} mm) or more",
+                        probe_radius, diameters, 0.9 * default_probe_radius(seed_radius)));
 }
 
 Measure measure(const Request& request, const RunReader& reader, std::size_t index, double probe_radius) {
@@ -123,17 +142,18 @@ void run(const Request& request) {
                                 : two_probes                 ? 1.8 * seed_radius
                                 : request.method == "lids"   ? default_probe_radius(seed_radius)
                                                              : 2.0 * default_probe_radius(seed_radius);
+    check_probe(probe_radius, seed_radius);
     std::optional<std::size_t> closed;
     if (cli::given("--closed-frame")) closed = checked_frame(request.closed_frame, reader);
 
-    const std::size_t first = request.frames == "last" ? reader.frame_count() - 1 : 0;
-    const std::size_t count = request.frames == "all" ? reader.frame_count() : 1;
+    const std::vector<std::size_t> frames = chosen_frames(request.frames, reader.frame_count());
+    const std::size_t count = frames.size();
     cli::Progress progress("frames", double(count));
     std::vector<Measure> measures(count);
     std::mutex mutex;
     std::size_t done = 0;
     parallel_for(std::int64_t(count), cli::threads(), [&](std::int64_t k) {
-        const std::size_t frame = first + std::size_t(k);
+        const std::size_t frame = frames[std::size_t(k)];
         try {
             measures[k] = measure(request, reader, frame, probe_radius);
         } catch (const InvalidInput& error) {
@@ -145,13 +165,16 @@ void run(const Request& request) {
     const double reference = closed ? measure(request, reader, *closed, probe_radius).difference : 0.0;
 
     Table table({"frame [-]", "time [s]", "strain [-]", "abs_strain [-]", "pores [-]", "open_pores [-]",
-                 "volume [mm^3]", "volume_corrected [mm^3]", "porosity [-]", "mouth_area [mm^2]", "largest [mm^3]"});
+                 "volume [mm^3]", "volume_corrected [mm^3]", "porosity [-]", "mouth_area [mm^2]", "largest [mm^3]",
+                 "sphericity [-]"});
     Table each({"frame [-]", "time [s]", "strain [-]", "abs_strain [-]", "pore [-]", "particles [-]", "volume [mm^3]",
                 "volume_corrected [mm^3]", "area [mm^2]", "mouth_area [mm^2]", "sphericity [-]", "centre_x [mm]",
                 "centre_y [mm]", "centre_z [mm]", "genus [-]", "shells [-]"});
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    std::vector<std::int64_t> numbers;
+    std::int64_t next_number = 1;
     for (std::size_t k = 0; k < count; ++k) {
-        const std::size_t frame = first + k;
+        const std::size_t frame = frames[k];
         const double time = reader.frame_time(frame), strain = frame_strain(reader, frame);
         const Pores& pores = measures[k].pores;
         std::int64_t open = 0;
@@ -164,7 +187,7 @@ void run(const Request& request) {
                    two_probes ? Table::Cell() : Table::Cell(std::int64_t(pores.pores.size())),
                    two_probes ? Table::Cell() : Table::Cell(open), volume, cell(corrected), cell(porosity),
                    two_probes ? Table::Cell() : Table::Cell(pores.mouth()),
-                   two_probes ? Table::Cell() : Table::Cell(largest)});
+                   two_probes ? Table::Cell() : Table::Cell(largest), cell(mean_sphericity(pores))});
         rows.push_back({{"frame", frame},
                         {"strain", strain},
                         {"pores", pores.pores.size()},
@@ -173,11 +196,12 @@ void run(const Request& request) {
                         {"volume_corrected", corrected},
                         {"porosity", porosity},
                         {"mouth_area", pores.mouth()}});
+        numbers = lasting_numbers(pores, k > 0 ? measures[k - 1].pores : Pores{}, numbers, next_number);
         for (std::size_t i = 0; i < pores.pores.size(); ++i) {
-            const auto& [body, mouth] = pores.pores[i];
-            each.add({std::int64_t(frame), time, strain, std::abs(strain), std::int64_t(i + 1), body.particles,
-                      body.volume, cell(body.corrected_volume), body.area, mouth, pores.pores[i].sphericity(),
-                      body.centre.x(), body.centre.y(), body.centre.z(), body.genus, body.shells});
+            const auto& [body, mouth, around] = pores.pores[i];
+            each.add({std::int64_t(frame), time, strain, std::abs(strain), numbers[i], body.particles, body.volume,
+                      cell(body.corrected_volume), body.area, mouth, pores.pores[i].sphericity(), body.centre.x(),
+                      body.centre.y(), body.centre.z(), body.genus, body.shells});
         }
     }
     table.write(request.table);
@@ -200,6 +224,11 @@ void run(const Request& request) {
             cli::report("porosity" + suffix, porosity);
     }
     cli::report_json("frame_rows", rows.dump());
+    if (request.method == "lids" && std::abs(probe_radius / default_probe_radius(seed_radius) - 1.0) > 0.05)
+        cli::warn(
+            "the corrected volumes and the porosity are calibrated for a probe of one particle diameter; a smaller one "
+            "may "
+            "take gaps for pores");
     if (two_probes && !closed)
         cli::warn("the roughness of the outside is in the volume of two-probes; give --closed-frame to take it off");
 }

@@ -67,8 +67,11 @@ struct Worst {
         value = *number;
         strain = at;
     }
-    void warn_above(const Limit& limit) const {
-        if (value > limit.most) cli::warn(fmt::format(fmt::runtime(limit.meaning), value, strain, limit.most));
+    /// @return  1 if it warned
+    int warn_above(const Limit& limit) const {
+        if (!(value > limit.most)) return 0;
+        cli::warn(fmt::format(fmt::runtime(limit.meaning), value, strain, limit.most));
+        return 1;
     }
 };
 
@@ -84,9 +87,10 @@ bool flows(double stress, double largest) {
 }
 
 /// Mean of the equilibrium error where the packing flows.
-void warn_of_imbalance(const RunReader& run, const ControlCurves& curves) {
+/// @return  the number of limits exceeded, as of the next
+int warn_of_imbalance(const RunReader& run, const ControlCurves& curves) {
     const auto found = run.observables().find("equilibrium_error");
-    if (found == run.observables().end()) return;
+    if (found == run.observables().end()) return 0;
     const std::vector<double>& stress = curves.points.value.at("stress_true");
     const double largest = largest_magnitude(stress);
     Worst worst;
@@ -101,12 +105,12 @@ void warn_of_imbalance(const RunReader& run, const ControlCurves& curves) {
     }
     worst.value = points > 0 ? sum / points : 0.0;
     cli::report("equilibrium_error", worst.value);
-    worst.warn_above(equilibrium_limit);
+    return worst.warn_above(equilibrium_limit);
 }
 
 /// Of BILIN and TRILIN; in law NORTON the cores hardly touch and the mass is chosen by the stress.
-void warn_of_leaving(const ControlCurves& curves, const std::vector<PhaseConstants>& phases, std::size_t particles,
-                     double diameter) {
+int warn_of_leaving(const ControlCurves& curves, const std::vector<PhaseConstants>& phases, std::size_t particles,
+                    double diameter) {
     Worst inertial, agitation, softness, chi;
     const double largest = largest_magnitude(curves.points.value.at("stress_true"));
     for (std::size_t i = 0; i < curves.points.time.size(); ++i) {
@@ -118,14 +122,14 @@ void warn_of_leaving(const ControlCurves& curves, const std::vector<PhaseConstan
         if (numbers.least_stiffness_level) softness.see(1.0 / *numbers.least_stiffness_level, strain);
         for (const auto& phase : numbers.phases) chi.see(phase.chi, strain);
     }
-    inertial.warn_above(inertial_limit);
-    agitation.warn_above(agitation_limit);
-    chi.warn_above(chi_limit);
-    if (softness.value > 1.0 / least_stiffness_level)
-        cli::warn(fmt::format(
-            "stiffness level {:.3g} at strain {:.3g}, below {:g}: particles overlap by more than a tenth of their "
-            "diameter",
-            1.0 / softness.value, softness.strain, least_stiffness_level));
+    const int exceeded =
+        inertial.warn_above(inertial_limit) + agitation.warn_above(agitation_limit) + chi.warn_above(chi_limit);
+    if (!(softness.value > 1.0 / least_stiffness_level)) return exceeded;
+    cli::warn(fmt::format(
+        "stiffness level {:.3g} at strain {:.3g}, below {:g}: particles overlap by more than a tenth of their "
+        "diameter",
+        1.0 / softness.value, softness.strain, least_stiffness_level));
+    return exceeded + 1;
 }
 
 void run(const Request& request) {
@@ -166,21 +170,16 @@ void run(const Request& request) {
         const double kinetic = PiecewiseLinear(curves.points.time, curves.points.value.at("kinetic_energy")).at(time);
         if (flow[k] > 0.0) heat.see(kinetic / flow[k], frames.strain(chosen[k]).value_or(0.0));
         const auto& d = density[k];
-        table.add(frames.row(chosen[k], {{},
-                                         {},
-                                         std::int64_t(packing.size()),
-                                         d ? Table::Cell(d->density) : Table::Cell(),
-                                         d ? Table::Cell(d->volume) : Table::Cell(),
-                                         last.stress,
-                                         last.rate,
-                                         {},
-                                         {},
-                                         {},
-                                         cell(last.least_stiffness_level),
-                                         cell(last.greatest_inertial_number),
-                                         cell(last.kinetic_number),
-                                         cell(last.kinetic_over_elastic),
-                                         flow[k] > 0.0 ? Table::Cell(kinetic / flow[k]) : Table::Cell()}));
+        const Table::Cell none;
+        std::vector<Table::Cell> all{none, none, std::int64_t(packing.size())};
+        all.push_back(d ? Table::Cell(d->density) : none);
+        all.push_back(d ? Table::Cell(d->volume) : none);
+        all.insert(all.end(), {last.stress, last.rate, none, none, none});
+        for (const auto& number : {last.least_stiffness_level, last.greatest_inertial_number, last.kinetic_number,
+                                   last.kinetic_over_elastic})
+            all.push_back(cell(number));
+        all.push_back(flow[k] > 0.0 ? Table::Cell(kinetic / flow[k]) : none);
+        table.add(frames.row(chosen[k], all));
         for (const ControlNumbers::OfPhase& phase : last.phases)
             table.add(frames.row(chosen[k],
                                  {std::int64_t(phase.label),
@@ -219,11 +218,10 @@ void run(const Request& request) {
     report("inertial_number_last", last.greatest_inertial_number);
     report("Q_last", last.kinetic_number);
     report("kinetic_over_elastic_last", last.kinetic_over_elastic);
-    warn_of_imbalance(frames.run(), curves);
-    if (frames.scene()->law() == Law::norton)
-        heat.warn_above(heat_limit);
-    else
-        warn_of_leaving(curves, phases, packing.size(), diameter);
+    std::int64_t exceeded = warn_of_imbalance(frames.run(), curves);
+    exceeded += frames.scene()->law() == Law::norton ? heat.warn_above(heat_limit)
+                                                     : warn_of_leaving(curves, phases, packing.size(), diameter);
+    cli::report("limits_exceeded", exceeded);
     cli::report_json("rows", table.json());
 }
 }  // namespace

@@ -69,8 +69,11 @@ def run_report(request):
         folder = request["--with"]
         if folder is None:
             folder = pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="tomodem-report-")))
-        elif not folder.is_dir():
-            raise InvalidInput(f"cannot read --with '{folder}': there is no such folder; create it first")
+        else:
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise InvalidInput(f"cannot use --with '{folder}' as a folder: {error.strerror}") from None
         make_page(request, run, folder, stack)
 
 

@@ -159,7 +159,7 @@ class Page:
         if equilibrium := found["equilibrium"]:
             figures.append((percent(equilibrium["equilibrium_error"]), "equilibrium error"))
         if volume := found["volume_change"]:
-            figures.append((percent(volume["volume_change_last"]), "volume change"))
+            figures.append((percent(volume["volume_change_last"]), "volume change of the solid"))
         if self.solved or self.sample:
             figures.append((seconds(self.time_of_steps()), "from image to measures" if self.sample else "all steps"))
         return "<div class=figures>" + "".join(f"<div><b>{a}</b><span>{b}</span></div>" for a, b in figures) + "</div>"
@@ -278,7 +278,7 @@ class Page:
         if self.run.frame_count < 2:
             return text
         if not self.events:
-            return text + "<p>Nothing merged, split, opened or closed on the way.</p>"
+            return text + "<p>Nothing merged, split, opened or closed on the way, the whole sample taken as one material.</p>"
         shown = self.events[:MOST_ROWS]
         unit, factor = self.run.unit
         rows = [
@@ -338,16 +338,16 @@ class Page:
                          f"mean over |strain| {number(equilibrium['abs_strain_from'])} to "
                          f"{number(equilibrium['abs_strain_to'])}; largest {percent(equilibrium['equilibrium_error_max'], 3)}"))
         if volume := found["volume_change"]:
-            rows.append(("volume change", percent(volume["volume_change_last"]),
+            rows.append(("volume change of the solid", percent(volume["volume_change_last"]),
                          f"at the end; largest on the way {percent(volume['volume_change_extreme'])}"))
         if shape := found["shape_factor"]:
-            at_faces = f"{shape['objects_at_boundary']} left out at the outer faces; " if "objects_at_boundary" in shape else ""
+            at_faces = f"{shape['objects_at_boundary']} left out at the outer faces" if "objects_at_boundary" in shape else ""
             smallest = f"smallest has {self.sample['smallest_object']} particles" if self.sample and "smallest_object" in \
                 self.sample else ""
             rows.append(("shape factor", f"{shape['shape_factor_last']:.3f} ± {shape['shape_factor_last_deviation']:.3f}",
                          "mean by volume at the end, and scatter of the objects"))
             rows.append(("objects", str(self.run.objects),
-                         f"{shape['objects_used']} measured, {shape['objects_too_small']} too small, {at_faces}{smallest}"))
+                         ", ".join(filter(None, (f"{shape['objects_used']} measured", f"{shape['objects_too_small']} too small", at_faces, smallest)))))
         return table(["check", "value", "how"], rows, words=(2,)) if rows else ""
 
     def objects(self):
@@ -364,7 +364,7 @@ class Page:
             rows.append((f'<i style="background:{object_colour(name)}"></i>{name}', count(int(columns["particles"][k])),
                          number(factor**3 * columns["volume_estimate"][k]), fixed(start, 3), fixed(columns["shape_factor"][k], 3),
                          fixed(columns["shape_factor"][k] / start, 3)))
-        head = ["object", "particles", f"volume [{unit}³]", "shape factor before", "after", "after / before"]
+        head = ["object", "particles", f"volume, by its particles [{unit}³]", "shape factor before", "after", "after / before"]
         return "<h3>Objects</h3>" + table(head, rows)
 
     def pores(self):

@@ -84,7 +84,7 @@ def shapes(objects, means):
         mean = means["shape_factor_weighted"]
         axes.plot(at, mean, color=ORANGE, lw=2.4, label="mean, by volume")
         axes.plot(at, mean[0] * np.exp(1.5 * means["strain"]), color=INK, lw=1.2, ls="--",
-                  label="if it deformed as the sample")
+                  label="if it followed the planes")
         axes.set(ylabel="shape factor H/D")
         axes.legend(loc="best")
 

@@ -28,7 +28,7 @@ PYTHON
     "$TOMODEM_BIN/mesh_recon" run.h5 mesh.stl --json last.json
     close "$(value volume last.json)" 194.4 1e-9
     [ "$(value probe_radius last.json)" = 1.0 ]
-    fails 1 "there is no frame 9" "$TOMODEM_BIN/mesh_recon" run.h5 out.csv --frame 9
+    fails 1 "there is no frame 9" "$TOMODEM_BIN/mesh_recon" run.h5 out.stl --frame 9
 }
 
 @test "a species is the sum of its objects" {

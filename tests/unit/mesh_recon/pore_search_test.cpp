@@ -91,11 +91,27 @@ TEST(FindPores, WantsALidWiderThanTheProbe) {
     EXPECT_THAT([] { find_pores(block(), search(1.5)); }, ThrowsMessage<InvalidInput>(HasSubstr("a lid of 1.5 mm")));
 }
 
-TEST(Sphericity, IsOneOfABallAndThatOfWadellOfACube) {
-    const double pi = std::numbers::pi;
+TEST(LastingNumbers, FollowAPoreByTheCentresAroundIt) {
+    const auto pores = [](std::vector<std::vector<std::int32_t>> around) {
+        Pores result;
+        for (auto& centres : around) result.pores.emplace_back().around = std::move(centres);
+        return result;
+    };
+    std::int64_t next = 1;
+    const Pores first = pores({{1, 2, 3, 4, 5}, {10, 11, 12, 13}, {20, 21}});
+    const auto numbers = lasting_numbers(first, {}, {}, next);
+    EXPECT_THAT(numbers, testing::ElementsAre(1, 2, 3));
+    // The second is now the largest, the first shares one of five, the third has closed, and another opened.
+    const Pores second = pores({{9, 10, 11, 12}, {30, 31, 32}, {5, 6, 7, 8, 40}});
+    EXPECT_THAT(lasting_numbers(second, first, numbers, next), testing::ElementsAre(2, 4, 5));
+    EXPECT_EQ(next, 6);
+}
+
+TEST(Sphericity, IsOneOfARoughBallAndThatOfWadellOfARoughCube) {
+    const double pi = std::numbers::pi, smooth = 0.87;
     Pore ball, cube;
-    ball.body.volume = 4.0 / 3.0 * pi, ball.body.area = 4.0 * pi;
-    cube.body.volume = 8.0, cube.body.area = 24.0;
+    ball.body.volume = 4.0 / 3.0 * pi, ball.body.area = 4.0 * pi / smooth;
+    cube.body.volume = 8.0, cube.body.area = 24.0 / smooth;
     EXPECT_NEAR(ball.sphericity(), 1.0, 1e-12);
     EXPECT_NEAR(cube.sphericity(), std::cbrt(pi / 6.0), 1e-12);
 }
