@@ -7,7 +7,8 @@ PATH is a file, or a folder with everything in it; the data that a text header (
 Of SCENE there are three digests, none of which sees comments or layout, all of which see the files that it names:
 `scene`, all of it; `scene_phases`, which label is called what; `scene_relax`, what relaxing a sample can depend on.
 
-The cache remembers the digest of a file as long as its size and date stay; it is written if its folder exists.
+The cache remembers the digest of a file as long as its size and dates (also that of its last change of any kind, which
+no program can set) stay; it is written if its folder exists.
 """
 import argparse
 import hashlib
@@ -19,7 +20,7 @@ import sys
 import time
 import tomllib
 
-# A file written twice within this time may keep its date [s].
+# A file written twice within this time may keep its dates [s].
 COARSEST_CLOCK = 2
 
 
@@ -40,11 +41,11 @@ class Digests:
             state = path.stat()
         except FileNotFoundError:
             return "missing"
-        key, date = os.path.realpath(path), [state.st_size, state.st_mtime_ns]
+        key, date = os.path.realpath(path), [state.st_size, state.st_mtime_ns, state.st_ctime_ns]
         if self.known.get(key, [None])[0] != date:
             with open(path, "rb") as file:
                 digest = hashlib.file_digest(file, "sha256").hexdigest()
-            if time.time() - state.st_mtime < COARSEST_CLOCK:
+            if time.time() - max(state.st_mtime, state.st_ctime) < COARSEST_CLOCK:
                 return digest
             self.used[key] = [date, digest]
             return digest

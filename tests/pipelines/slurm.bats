@@ -38,11 +38,40 @@ queue_is_empty() { [ -z "$(squeue -h)" ]; }
     queue_is_empty
 }
 
+# halt_at_step STEP FOLDER: waits for the run and halts its processes behind that step; their ids on stdout
+halt_at_step() {
+    HDF5_USE_FILE_LOCKING=FALSE /usr/bin/python3 - "$@" <<'END'
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+
+step, folder = int(sys.argv[1]), pathlib.Path(sys.argv[2])
+reached, end = -1, time.monotonic() + 60
+while reached < step:
+    time.sleep(0.01)
+    assert time.monotonic() < end, f"waited in vain for step {step}"
+    try:
+        with h5py.File(folder / "run.h5.partial") as file:
+            reached = file["observables/strain/step"][:].max()
+    except (OSError, KeyError):  # not there yet, or just being written
+        pass
+workers = subprocess.run(["pgrep", "-P", (folder / "run.pid").read_text().strip()], capture_output=True, text=True).stdout
+for worker in workers.split():
+    os.kill(int(worker), signal.SIGSTOP)
+print(workers, end="")
+END
+}
+
 @test "a task at its time limit is queued again and ends with the same run; a broken stack is listed; a job collects" {
     make_stack stacks/long.tif 1
     head -c 500 stacks/long.tif >stacks/broken.tif
     make_stack stacks/short.tif 2
-    make_scene stacks/long.toml 1e-6
+    make_scene stacks/long.toml 2e-6
     make_scene stacks/short.toml 2e-4
 
     # What it would be without an end of time, on as many processes.
@@ -50,9 +79,7 @@ queue_is_empty() { [ -z "$(squeue -h)" ]; }
 
     pipeline slurm OUT=out NP=2 TIME=1 WARNING=55 TIME_MEASURES=5
     # Halted in its middle until its time is over, the run is a long one on any machine.
-    wait_for 60 test -e out/long/run.h5.partial
-    workers=$(pgrep -P "$(cat out/long/run.pid)")
-    kill -STOP $workers
+    workers=$(halt_at_step 5000 out/long)
     first_worker=${workers%%$'\n'*}
     warned() { (((0x$(sed -n 's/^ShdPnd:\t//p' "/proc/$first_worker/status") >> 9) & 1)); }
     wait_for 45 warned
