@@ -71,15 +71,14 @@ END
     make_stack stacks/long.tif 1
     head -c 500 stacks/long.tif >stacks/broken.tif
     make_stack stacks/short.tif 2
-    make_scene stacks/long.toml 2e-6
+    make_scene stacks/long.toml 4e-6
     make_scene stacks/short.toml 2e-4
-
-    # What it would be without an end of time, on as many processes.
-    pipeline batch OUT=whole NP=2 GOAL=run stack/long
 
     pipeline slurm OUT=out NP=2 TIME=1 WARNING=55 TIME_MEASURES=5
     # Halted in its middle until its time is over, the run is a long one on any machine.
-    workers=$(halt_at_step 5000 out/long)
+    workers=$(halt_at_step 3000 out/long)
+    # Meanwhile: what it would be without an end of time, on as many processes.
+    pipeline batch OUT=whole NP=2 GOAL=run stack/long
     first_worker=${workers%%$'\n'*}
     warned() { (((0x$(sed -n 's/^ShdPnd:\t//p' "/proc/$first_worker/status") >> 9) & 1)); }
     wait_for 45 warned
