@@ -3,6 +3,7 @@
 #   make build                  every executable, in build/bin
 #   make demo                   tomography -> simulation -> pictures and a report, in out/demo
 #   make demo VOLUME=stack.tif VOXEL_SIZE=2.4um [LABELS="1=matrix,2=inclusion" | THRESHOLD=120]
+#   make batch STACKS=folder [SCENE=scene.toml] [VOXEL_SIZE=2.4um] [NP=1]     every stack of a folder, in out/batch (docs/batch.md)
 #   make test                   every test that CI runs
 #   make physics                long physical checks
 #   make bench                  measurements of speed and memory
@@ -18,7 +19,7 @@ OUT ?= out/demo
 export OMPI_ALLOW_RUN_AS_ROOT := 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 
-.PHONY: build demo test physics bench fuzz lint docs install clean
+.PHONY: build demo batch test physics bench fuzz lint docs install clean
 
 # Packages are looked at once; after that, only when the list changes.
 $(BUILD)/.bootstrapped: packages/debian.txt bootstrap
@@ -32,6 +33,9 @@ build: $(BUILD)/.bootstrapped
 
 demo: build
 	$(MAKE) -f pipelines/demo/Makefile BIN=$(CURDIR)/$(BUILD)/bin OUT=$(OUT)
+
+batch: build
+	$(MAKE) -j $(JOBS) -f pipelines/batch/Makefile BIN=$(CURDIR)/$(BUILD)/bin OUT=$(if $(filter file,$(origin OUT)),out/batch,$(OUT))
 
 test: build
 	ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS) -LE 'physics|bench'

@@ -114,7 +114,7 @@ needs_shared() { [ -d "$shared/data" ] || skip "the shared tomographies are not 
 @test "without a scene, the largest phase is the matrix and the others are inclusions" {
     phantom OUT=out out/volume.tif
     pipeline VOLUME=out/volume.tif VOXEL_SIZE=10um PARTICLES=1200 RELABEL=1=7 LABELS=7=iron,2=graphite OUT=user \
-        user/sample.h5
+        user/sample.h5 user/scene.toml
     run -0 cat user/scene.toml
     [[ $output == *'[phase."iron"]'*'label = 7'*'K = 95.9'*'[phase."graphite"]'*'label = 2'*'K = 5020'*'objects = true'* ]]
     grep -q '"objects": 3' user/sample.json
@@ -136,6 +136,7 @@ END
     grey=$shared/data/trabecular_bone/bone_grey.tif
     run -2 pipeline VOLUME="$grey" VOXEL_SIZE=19.5um OUT=grey grey/sample.h5
     [[ $output == *"it is grey; give THRESHOLD="* ]]
-    pipeline VOLUME="$grey" VOXEL_SIZE=19.5um THRESHOLD=83 ROI=0:100,0:100,0:100 PARTICLES=3000 OUT=bone bone/sample.h5
+    pipeline VOLUME="$grey" VOXEL_SIZE=19.5um THRESHOLD=83 ROI=0:100,0:100,0:100 PARTICLES=3000 OUT=bone bone/sample.h5 \
+        bone/scene.toml
     grep -q 'phase."solid"' bone/scene.toml
 }

@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 """Decides what the user left open: the scene, the scale of the particles, which phases are told apart as objects.
 
-Reads the summary that volume_info made of the image. Writes SCENE, and into the folder OPTIONS one small file for each
-tool of the pipeline with the options that depend on the image.
+Reads the summary that volume_info made of the image. Writes into the folder OUT scene.toml, and into OUT/options one small
+file for each tool of the pipeline with the options that depend on the image. What depends on the load is a part of its
+own, so that a sample is not made again when only the load has changed.
 
 The phase that fills most of the image is the matrix and gets the constants of the thesis' phase A (94 MPa at 1e-3 /s,
 hardly rate-sensitive); the others get those of its phase B (170 MPa, M = 0.49). Give a scene of your own for another
@@ -29,8 +30,8 @@ def fail(message):
 def arguments():
     parser = argparse.ArgumentParser(prog="plan", description=__doc__.splitlines()[0])
     parser.add_argument("volume", type=pathlib.Path, help="summary of the image (volume_info --json)")
-    parser.add_argument("scene_out", type=pathlib.Path)
-    parser.add_argument("options_out", type=pathlib.Path, help="folder for the options of the tools")
+    parser.add_argument("out", type=pathlib.Path, help="folder to write into")
+    parser.add_argument("part", choices=("sample", "load"), help="the options of the sample, or the scene and what it loads")
     parser.add_argument("--scene", default="", help="scene to use as it is")
     parser.add_argument("--labels", default="", help="names of the labels, as 1=matrix,2=inclusion")
     parser.add_argument("--particles", type=float, default=20000, help="about so many are wanted")
@@ -141,23 +142,28 @@ def main():
     smallest = voxels_of_a_particle * (FEWEST_PARTICLES_OF_A_SHAPE if porous else 1)
 
     label_list = ",".join(f"{label}={name}" for label, name in sorted(names.items()) if label in solid)
-    files = {
-        "vol2pack": f"--pixels-per-seed {pixels:g} --labels {label_list} "
-                    f"--objects {','.join(map(str, sorted(objects)))} "
-                    f"--min-component {math.ceil(smallest)}",
-        "render": f"--labels {label_list}",
-        "press": f"--press {load.get('axis', 'z')}",
-        "inclusions": f"--only-species {shown} --color {'object' if inclusions else 'phase'}",
-        "mesh_recon": f"--species {shown} --probe-radius {1.6 * radius:.6g}mm",
-        "shape_factor": f"--min-particles {FEWEST_PARTICLES_OF_A_SHAPE}",
-        "equilibrium": f"--from {2 / 3 * strain:g}",
+    parts = {
+        "sample": {
+            "options/vol2pack": f"--pixels-per-seed {pixels:g} --labels {label_list} "
+                                f"--objects {','.join(map(str, sorted(objects)))} "
+                                f"--min-component {math.ceil(smallest)}\n",
+            "options/render": f"--labels {label_list}\n",
+            "options/inclusions": f"--only-species {shown} --color {'object' if inclusions else 'phase'}\n",
+            "options/mesh_recon": f"--species {shown} --probe-radius {1.6 * radius:.6g}mm\n",
+            "options/shape_factor": f"--min-particles {FEWEST_PARTICLES_OF_A_SHAPE}\n",
+        },
+        "load": {
+            "scene.toml": text,
+            "options/press": f"--press {load.get('axis', 'z')}\n",
+            "options/equilibrium": f"--from {2 / 3 * strain:g}\n",
+        },
     }
-    options.options_out.mkdir(parents=True, exist_ok=True)
-    for name, line in files.items():
-        (options.options_out / name).write_text(line + "\n")
-    part = options.scene_out.with_name(options.scene_out.name + ".part")
-    part.write_text(text)
-    part.rename(options.scene_out)  # last: make looks at the scene
+    (options.out / "options").mkdir(parents=True, exist_ok=True)
+    for name, content in parts[options.part].items():
+        path = options.out / name
+        part = path.with_name(path.name + ".part")
+        part.write_text(content)
+        part.rename(path)
 
 
 main()

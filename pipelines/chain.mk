@@ -1,0 +1,208 @@
+# The chain of one stack, from a segmented tomography to $(OUT)/report.html. Pipelines include it, or run it:
+#
+#   make -f pipelines/chain.mk VOLUME=stack.tif [VOXEL_SIZE=2.4um] OUT=out/stack [BIN=build/bin] [NP=1]
+#        [sample | relaxed | run | report]
+#
+# Every file is made by one command from the files that it depends on. Inputs, the executables too, count by their content:
+# inputs.py takes their digests while make reads this, and a small file each in $(OUT)/digests is written where one has
+# changed. So do the parameters below. What has changed is made again with all that depends on it, the rest is kept.
+
+CHAIN := $(dir $(lastword $(MAKEFILE_LIST)))
+
+BIN ?= build/bin
+NP ?= 1
+DENSITY ?= 0.70
+PARTICLES ?= 40000
+BRICK_PARTICLES ?= 10000
+FILTER ?= level-set
+PICTURE_SIZE ?= 960x720
+# Processes of one machine that may be busy; the same result on any number of them within the noise of the law.
+MPIRUN ?= mpirun --oversubscribe --bind-to none
+# Threads of each tool; every core unless given.
+THREADS ?=
+# One brick may serve many stacks.
+BRICK ?= $(OUT)/brick.h5
+DIGEST_CACHE ?= $(OUT)/.digests.json
+
+export OMPI_ALLOW_RUN_AS_ROOT := 1
+export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
+
+.DELETE_ON_ERROR:
+.SECONDARY:
+.SUFFIXES:
+.PHONY: brick sample relaxed run report FORCE
+report: $(OUT)/report.html
+brick: $(BRICK)
+sample: $(OUT)/sample.h5
+relaxed: $(OUT)/relaxed.h5
+run: $(OUT)/run.h5
+
+# ---- what the user gave --------------------------------------------------------------------------------------------
+ifneq ($(words $(OUT)) $(words $(BIN)),1 1)
+$(error OUT and BIN must be one path each, without spaces)
+endif
+ifdef VOLUME
+  ifneq ($(words $(VOLUME)),1)
+    $(error VOLUME must be one path without spaces; make a link of another name to it)
+  endif
+  ifeq ($(wildcard $(VOLUME)),)
+    $(error VOLUME '$(VOLUME)' does not exist)
+  endif
+  IMAGE := $(VOLUME)
+  IMAGE_STATE := $(OUT)/digests/image
+else
+  IMAGE_STATE := $(IMAGE)
+endif
+ifdef SCENE
+  ifeq ($(wildcard $(SCENE)),)
+    $(error SCENE '$(SCENE)' does not exist)
+  endif
+  # As the user wrote it: it may name files beside it.
+  scene := $(SCENE)
+  whole_scene := $(OUT)/digests/scene
+  relaxing_scene := $(OUT)/digests/scene_relax
+  named_phases := $(OUT)/digests/scene_phases
+else
+  scene := $(OUT)/scene.toml
+  whole_scene := $(scene)
+  relaxing_scene := $(scene)
+endif
+
+image_options := $(strip $(if $(VOXEL_SIZE),--voxel-size $(VOXEL_SIZE)) $(if $(SLICE_SPACING),--slice-spacing $(SLICE_SPACING)) \
+    $(if $(THRESHOLD),--threshold $(THRESHOLD)) $(if $(OTSU),--otsu $(OTSU)) $(if $(RELABEL),--relabel $(RELABEL)) \
+    $(if $(ROI),--roi $(ROI)))
+
+# ---- small files that are written only when their text changes ---------------------------------------------------------
+quoted = '$(subst ','\'',$1)'
+
+define file_of_text
+ifneq ($$(wildcard $(OUT)/$1)=$$(file <$(OUT)/$1),$(OUT)/$1=$$($1))
+$(OUT)/$1: FORCE
+endif
+$(OUT)/$1: | $(dir $(OUT)/$1)
+	@printf '%s\n' $$(call quoted,$$($1)) > $$@
+endef
+files_of_text = $(foreach name,$1,$(eval $(call file_of_text,$(name))))
+
+image.parameters := $(strip $(IMAGE) $(image_options))
+plan.parameters := $(strip $(if $(SCENE),--scene $(SCENE)) $(if $(LABELS),--labels $(call quoted,$(LABELS))) \
+    --density $(DENSITY) \
+    $(if $(PIXELS_PER_SEED),--pixels-per-seed $(PIXELS_PER_SEED),--particles $(PARTICLES)))
+sample.parameters := $(strip $(image_options) --filter $(FILTER))
+shape.parameters := $(strip $(SHAPE_OPTIONS))
+pictures.parameters := $(strip --size $(PICTURE_SIZE))
+brick.parameters := $(strip --particles $(BRICK_PARTICLES) --density $(DENSITY))
+$(call files_of_text,image.parameters plan.parameters sample.parameters shape.parameters pictures.parameters)
+
+programs := volume_info packgen vol2pack relax solve stress_strain shape_factor volume_change equilibrium mesh_recon render \
+    report $(PROGRAMS)
+dry := $(findstring n,$(firstword -$(MAKEFLAGS)))
+digests := $(shell $(CHAIN)inputs.py $(if $(dry),,--cache $(DIGEST_CACHE)) $(if $(SCENE),--scene $(SCENE)) \
+    plan=$(CHAIN)plan.py $(if $(VOLUME),image=$(VOLUME)) $(foreach name,$(programs),$(name)=$(BIN)/$(name)))
+ifneq ($(.SHELLSTATUS),0)
+$(error the inputs cannot be read)
+endif
+digest_names := $(foreach word,$(digests),$(firstword $(subst =, ,$(word))))
+$(foreach word,$(digests),$(eval digests/$(subst =, := ,$(word))))
+$(call files_of_text,$(addprefix digests/,$(digest_names)))
+
+# The brick's are beside it, as several stacks may share it.
+brick_folder := $(patsubst %/,%,$(dir $(BRICK)))
+brick_state := $(strip $(brick.parameters) $(digests/packgen))
+ifneq ($(wildcard $(BRICK).state)=$(file <$(BRICK).state),$(BRICK).state=$(brick_state))
+$(BRICK).state: FORCE
+endif
+$(BRICK).state: | $(brick_folder)/
+	@printf '%s\n' $(call quoted,$(brick_state)) > $@
+
+$(sort $(OUT)/ $(OUT)/digests/ $(brick_folder)/):
+	@mkdir -p $@
+
+parallel = $(if $(filter-out 1,$(NP)),$(MPIRUN) -n $(NP) )
+threads := $(if $(THREADS),--threads $(THREADS))
+options = $$(cat $(OUT)/options/$1)
+
+# ---- the chain -------------------------------------------------------------------------------------------------------
+$(OUT)/image.json: $(OUT)/digests/volume_info $(IMAGE_STATE) $(OUT)/image.parameters
+	$(BIN)/volume_info $(IMAGE) $(image_options) $(threads) --json $@
+
+$(addprefix $(OUT)/options/,vol2pack render inclusions mesh_recon shape_factor) &: $(OUT)/digests/plan $(OUT)/image.json \
+    $(named_phases) $(OUT)/plan.parameters
+	$(CHAIN)plan.py $(OUT)/image.json $(OUT) sample $(plan.parameters)
+
+$(OUT)/scene.toml $(addprefix $(OUT)/options/,press equilibrium) &: $(OUT)/digests/plan $(OUT)/image.json \
+    $(if $(SCENE),$(whole_scene)) $(OUT)/plan.parameters
+	$(CHAIN)plan.py $(OUT)/image.json $(OUT) load $(plan.parameters)
+
+$(BRICK) $(BRICK:.h5=.json) &: $(BRICK).state
+	$(BIN)/packgen $(BRICK) $(brick.parameters) $(threads) --json $(BRICK:.h5=.json)
+
+$(OUT)/sample.h5 $(OUT)/sample.json &: $(OUT)/digests/vol2pack $(BRICK) $(IMAGE_STATE) $(OUT)/options/vol2pack \
+    $(OUT)/sample.parameters
+	$(BIN)/vol2pack $(BRICK) $(IMAGE) $(OUT)/sample.h5 $(sample.parameters) $(call options,vol2pack) $(threads) \
+	    --json $(OUT)/sample.json
+
+$(OUT)/relaxed.h5 $(OUT)/relaxed.json &: $(OUT)/digests/relax $(OUT)/sample.h5 $(relaxing_scene)
+	$(parallel)$(BIN)/relax $(OUT)/sample.h5 $(scene) $(OUT)/relaxed.h5 --json $(OUT)/relaxed.json
+
+# A run that was stopped goes on from its checkpoint, unless something that it was made from has changed since.
+# run.pid, while it works: SIGUSR1 to that process saves and stops it.
+run_inputs := $(OUT)/relaxed.h5 $(scene) $(whole_scene) $(OUT)/digests/solve
+$(OUT)/run.h5 $(OUT)/run.json &: $(OUT)/digests/solve $(OUT)/relaxed.h5 $(whole_scene)
+	@sha256sum $(run_inputs) > $(OUT)/run.inputs.now
+	@cmp -s $(OUT)/run.inputs.now $(OUT)/run.inputs || rm -f $(addprefix $(OUT)/,run.h5 run.h5.partial run.h5.checkpoint run.json)
+	@test -e $(OUT)/run.json || rm -f $(OUT)/run.h5
+	@mv $(OUT)/run.inputs.now $(OUT)/run.inputs
+	@test ! -e $(OUT)/run.h5 || touch $(OUT)/run.h5 $(OUT)/run.json
+	test -e $(OUT)/run.h5 || { echo $$$$ > $(OUT)/run.pid; \
+	    exec $(parallel)$(BIN)/solve $(OUT)/relaxed.h5 $(scene) $(OUT)/run.h5 --resume --json $(OUT)/run.json; }
+	@rm -f $(OUT)/run.pid
+
+# ---- measures --------------------------------------------------------------------------------------------------------
+$(OUT)/stress_strain.csv $(OUT)/stress_strain.json &: $(OUT)/digests/stress_strain $(OUT)/run.h5
+	$(BIN)/stress_strain $(OUT)/run.h5 $(OUT)/stress_strain.csv $(threads) --json $(OUT)/stress_strain.json
+
+$(OUT)/shape_factor.csv $(OUT)/shape_factor_means.csv $(OUT)/shape_factor.json &: $(OUT)/digests/shape_factor \
+    $(OUT)/run.h5 $(OUT)/options/shape_factor $(OUT)/shape.parameters
+	$(BIN)/shape_factor $(OUT)/run.h5 $(OUT)/shape_factor.csv $(call options,shape_factor) $(shape.parameters) $(threads) \
+	    --means $(OUT)/shape_factor_means.csv --json $(OUT)/shape_factor.json
+
+$(OUT)/volume_change.csv $(OUT)/volume_change.json &: $(OUT)/digests/volume_change $(OUT)/run.h5
+	$(BIN)/volume_change $(OUT)/run.h5 $(OUT)/volume_change.csv $(threads) --json $(OUT)/volume_change.json
+
+$(OUT)/equilibrium.csv $(OUT)/equilibrium.json &: $(OUT)/digests/equilibrium $(OUT)/run.h5 $(OUT)/options/equilibrium
+	$(BIN)/equilibrium $(OUT)/run.h5 $(OUT)/equilibrium.csv $(call options,equilibrium) $(threads) \
+	    --json $(OUT)/equilibrium.json
+
+# ---- shapes and pictures: the first frame is "before", the last one "after" --------------------------------------------
+frame_before := 0
+frame_after := -1
+
+$(OUT)/mesh_%.stl $(OUT)/mesh_%.json &: $(OUT)/digests/mesh_recon $(OUT)/run.h5 $(OUT)/options/mesh_recon
+	$(BIN)/mesh_recon $(OUT)/run.h5 $(OUT)/mesh_$*.stl --frame $(frame_$*) $(call options,mesh_recon) $(threads) \
+	    --json $(OUT)/mesh_$*.json
+
+picture_state := $(addprefix $(OUT)/,digests/render run.h5 options/render options/press options/inclusions pictures.parameters)
+$(OUT)/picture_cut_%.png $(OUT)/picture_cut_%.json &: $(picture_state)
+	$(BIN)/render $(OUT)/run.h5 $(OUT)/picture_cut_$*.png --frame $(frame_$*) --cut y $(call options,press) \
+	    $(call options,render) $(pictures.parameters) $(threads) --json $(OUT)/picture_cut_$*.json
+
+$(OUT)/picture_inclusions_%.png $(OUT)/picture_inclusions_%.json &: $(picture_state)
+	$(BIN)/render $(OUT)/run.h5 $(OUT)/picture_inclusions_$*.png --frame $(frame_$*) $(call options,inclusions) \
+	    $(call options,render) $(pictures.parameters) $(threads) --json $(OUT)/picture_inclusions_$*.json
+
+$(OUT)/picture_mesh_%.png $(OUT)/picture_mesh_%.json &: $(OUT)/digests/render $(OUT)/mesh_%.stl $(OUT)/run.h5 \
+    $(OUT)/pictures.parameters
+	$(BIN)/render $(OUT)/mesh_$*.stl $(OUT)/picture_mesh_$*.png --view-of $(OUT)/run.h5 $(pictures.parameters) $(threads) \
+	    --json $(OUT)/picture_mesh_$*.json
+
+# ---- the report ------------------------------------------------------------------------------------------------------
+STEPS := $(if $(VOLUME),,phantom) image brick sample relaxed run stress_strain shape_factor volume_change equilibrium \
+    mesh_before mesh_after $(foreach what,cut inclusions mesh,picture_$(what)_before picture_$(what)_after)
+PICTURES := $(foreach what,cut inclusions mesh,$(OUT)/picture_$(what)_before.png $(OUT)/picture_$(what)_after.png)
+TABLES := $(foreach table,stress_strain shape_factor shape_factor_means volume_change equilibrium,$(OUT)/$(table).csv)
+summaries := $(patsubst $(OUT)/brick.json,$(BRICK:.h5=.json),$(STEPS:%=$(OUT)/%.json))
+
+# What is not here yet (topology, the surfaces of the 3-D view) it makes itself, and keeps in OUT.
+$(OUT)/report.html: $(OUT)/digests/report $(OUT)/run.h5 $(OUT)/scene.toml $(summaries) $(PICTURES) $(TABLES)
+	$(BIN)/report $(OUT)/run.h5 $@ --with $(OUT) --size $(PICTURE_SIZE) $(threads)

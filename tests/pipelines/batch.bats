@@ -1,0 +1,191 @@
+#!/usr/bin/env bats
+# Batches of tiny stacks: what is done, kept, listed.
+
+bats_require_minimum_version 1.5.0
+
+setup() {
+    . "$TOMODEM_SOURCE/tests/pipelines/common.bash"
+    cd "$BATS_TEST_TMPDIR" || exit 1
+    mkdir stacks
+    make_scene scene.toml 2e-4
+}
+
+batch() { pipeline batch SCENE=scene.toml OUT=out "$@"; }
+
+changed_since() { find out -type f -newer "$1" ! -name log.txt ! -name status ! -name '.digests.json' | sort; }
+
+@test "a dry run shows the chain of every stack and touches nothing" {
+    make_stack stacks/one.tif 1
+    make_stack stacks/two.tif 2
+    run -0 batch -n
+    for name in one two; do
+        for tool in volume_info vol2pack relax solve stress_strain report; do
+            [[ $output == *"bin/$tool "*"out/$name/"* ]]
+        done
+    done
+    [[ $output == *"bin/packgen out/brick.h5"* ]]
+    [ ! -e out ]
+}
+
+@test "a broken stack is listed with its error, the others finish, one table and one page hold all" {
+    make_stack stacks/one.tif 1
+    make_stack stacks/two.tif 2
+    head -c 500 stacks/one.tif >stacks/broken.tif
+    cp stacks/one.tif "stacks/a name.tif"
+    make_scene stacks/two.toml 2e-4 2
+    sed -i 's/-0.04/-0.02/' stacks/two.toml
+    echo 'VOXEL_SIZE = 10um' >stacks/one.mk
+    code=0
+    batch -j2 2>err.txt || code=$?
+    cat err.txt
+    [ "$code" != 0 ]
+    grep -q "^broken: failed: volume_info: cannot read volume 'stacks/broken.tif'" err.txt
+    grep -q "^collect: broken: failed: volume_info: cannot read volume" err.txt
+    grep -q "^collect: a name.tif: failed: make cannot work with this name" err.txt
+    [ "$(wc -l <out/batch.csv)" = 5 ]
+    [ "$(value_of one status <out/batch.csv)" = "done" ]
+    [ "$(value_of one final_strain <out/batch.csv)" = -0.04 ]
+    [ "$(value_of two final_strain <out/batch.csv)" = -0.02 ]
+    [ "$(value_of broken status <out/batch.csv)" = failed ]
+    [[ "$(value_of broken error <out/batch.csv)" == *"cannot read volume"* ]]
+    for column in particles "seed_radius [mm]" "final_stress [MPa]" fraction_inclusion volume_change "cpu [s]" "peak_memory [MiB]"; do
+        [ -n "$(value_of one "$column" <out/batch.csv)" ]
+    done
+    for link in $(grep -oE '(src|href)="[^"]*"' out/index.html | sed -e 's/.*="//' -e 's/"//'); do
+        [ -s "out/$link" ]
+    done
+    grep -q 'href="two/report.html"' out/index.html
+    run -1 grep -q 'href="broken/report.html"' out/index.html
+    grep -q -- '--voxel-size 10um' out/one/sample.json
+    run -1 grep -q -- '--voxel-size' out/two/sample.json
+}
+
+@test "what is touched and not changed makes nothing again, and a dry run knows" {
+    make_stack stacks/one.tif 1
+    mkdir stacks/two
+    echo 'VOXEL_SIZE = 10um' >stacks/two.mk
+    /usr/bin/python3 - <<'END'
+from PIL import Image, ImageSequence
+
+for number, slice in enumerate(ImageSequence.Iterator(Image.open("stacks/one.tif"))):
+    slice.save(f"stacks/two/slice{number:02d}.tif")
+END
+    cp -r "$TOMODEM_BIN" bin
+    batch -j2 BIN=bin GOAL=run
+    batch BIN=bin GOAL=run >/dev/null
+    touch mark
+    sleep 0.1
+    touch stacks/one.tif stacks/two/* scene.toml bin/*
+    run -0 batch BIN=bin GOAL=run -n
+    [[ $output != *"bin/vol2pack"* && $output != *"bin/solve"* && $output != *"printf"* ]]
+    batch BIN=bin GOAL=run
+    [ -z "$(changed_since mark)" ]
+    echo "# a comment" >>scene.toml
+    batch BIN=bin GOAL=run
+    [ -z "$(changed_since mark)" ]
+}
+
+@test "what is changed is made again from where it matters" {
+    make_stack stacks/one.tif 1
+    make_stack stacks/two.tif 2
+    batch -j2 GOAL=run
+    touch mark
+    sleep 0.1
+
+    make_scene scene.toml 2e-4 3
+    batch GOAL=run
+    run -0 changed_since mark
+    [[ $output == *out/one/run.h5*out/two/run.h5* ]]
+    [[ $output != *relaxed.h5* && $output != *sample.h5* ]]
+    batch GOAL=run OUT=fresh
+    same_run out/one/run.h5 fresh/one/run.h5
+
+    touch mark
+    sleep 0.1
+    make_scene scene.toml 1e-4 3
+    batch GOAL=run
+    run -0 changed_since mark
+    [[ $output == *out/one/relaxed.h5*out/one/run.h5* ]]
+    [[ $output != *sample.h5* ]]
+
+    touch mark
+    sleep 0.1
+    date=$(stat -c %y stacks/one.tif)
+    make_stack stacks/one.tif 7
+    touch -d "$date" stacks/one.tif
+    batch GOAL=run
+    run -0 changed_since mark
+    [[ $output == *out/one/sample.h5* ]]
+    [[ $output != *out/two* && $output != *brick* ]]
+
+    touch mark
+    sleep 0.1
+    rm out/two/run.h5
+    batch GOAL=run
+    run -0 changed_since mark
+    [[ $output == *out/two/run.h5* ]]
+    [[ $output != *out/two/relaxed.h5* && $output != *out/one* ]]
+}
+
+@test "interrupted, killed and run again, the result is the same, and the run went on from its checkpoint" {
+    make_stack stacks/one.tif 1
+    make_scene scene.toml 4e-7
+    batch GOAL=run OUT=whole
+    for signal in INT KILL; do
+        # A background job would ignore Ctrl-C, and all that it starts.
+        setsid env --default-signal=INT make --no-print-directory -f "$TOMODEM_SOURCE/pipelines/batch/Makefile" \
+            BIN="$TOMODEM_BIN" STACKS=stacks PARTICLES=1200 BRICK_PARTICLES=800 SCENE=scene.toml OUT=out GOAL=run 3>&- &
+        wait_for 60 test -e out/one/run.h5.partial
+        sleep 0.7
+        kill -$signal -- "-$!"
+        wait "$!" || true
+        wait_for 10 flock -n out/one/.lock true
+        [ ! -e out/one/run.h5 ]
+        [ $signal = KILL ] || [ "$(cat out/one/status)" = interrupted ]
+        [ -e out/one/run.h5.checkpoint ]
+    done
+    code=0
+    pipeline batch SCENE=scene.toml OUT=out collect || code=$?
+    [ "$code" != 0 ]
+    [ "$(value_of one status <out/batch.csv)" = interrupted ]
+    batch GOAL=run
+    grep -q "going on at strain -0" out/one/log.txt
+    same_run whole/one/run.h5 out/one/run.h5
+}
+
+@test "a checkpoint of another scene is not gone on with" {
+    make_stack stacks/one.tif 1
+    make_scene scene.toml 4e-7
+    batch GOAL=run 3>&- &
+    wait_for 60 test -e out/one/run.h5.partial
+    sleep 0.5
+    kill -USR1 "$(cat out/one/run.pid)"
+    wait "$!" || true
+    [ -e out/one/run.h5.checkpoint ]
+    grep -q "failed: solve: .*stopped by SIGUSR1" out/one/status
+    make_scene scene.toml 2e-4
+    batch GOAL=run
+    [ "$(value_of one final_strain <out/batch.csv)" = -0.04 ]
+    run -1 grep -q "going on at strain" out/one/log.txt
+}
+
+@test "two batches do not work on one stack at a time" {
+    make_stack stacks/one.tif 1
+    mkdir -p out/one
+    bash -c 'exec 9>out/one/.lock; flock 9; exec sleep 20' 3>&- &
+    holder=$!
+    wait_for 5 bash -c '! flock -n out/one/.lock true'
+    run batch GOAL=sample
+    kill $holder
+    [ "$status" != 0 ]
+    [[ $output == *"one: failed: another process is at work in out/one"* ]]
+    [ ! -e out/one/sample.h5 ]
+}
+
+@test "a folder without stacks, or none, is said in one line" {
+    run -2 batch
+    [[ $output == *"stacks: 'stacks' has no stack"* ]]
+    run -2 pipeline batch STACKS=nowhere
+    [[ $output == *"there is no folder 'nowhere'; give the one with the stacks as STACKS="* ]]
+    [ ! -e out ]
+}
