@@ -109,6 +109,7 @@ void read_window(Reader& reader, CalibrationWindow& window, bool has_crown) {
     window.particles = reader.rising("particles");
     window.size = reader.list("size", window.particles.size(), -1);
     window.strain = reader.range("strain");
+    if (reader.find("strain_tension") != nullptr) window.strain_tension = reader.range("strain_tension");
     window.strain_error = reader.number("strain_error");
     if (!has_crown) return;
     window.crown = reader.number("crown", 1);

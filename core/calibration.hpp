@@ -14,13 +14,14 @@ namespace tomodem {
 /// What the flow stresses of a law were measured on, and what they are worth. Errors are shares of the stress.
 struct CalibrationWindow {
     int packings = 0;
-    double density = 0;                     ///< D of the packings
-    std::vector<double> particles;          ///< sizes seen, increasing
-    std::vector<double> size;               ///< stress of each size over the table's, less 1: the largest seen
-    std::array<double, 2> strain{0, 0};     ///< |true strain| within which the stress keeps to the table's ...
-    double strain_error = 0;                ///< ... within this
-    std::optional<double> crown;            ///< r_c / r_s (not NORTON's: it has one only)
-    std::optional<double> stiffness_ratio;  ///< k_rep / k_att (the same)
+    double density = 0;                  ///< D of the packings
+    std::vector<double> particles;       ///< sizes seen, increasing
+    std::vector<double> size;            ///< stress of each size over the table's, less 1: the largest seen
+    std::array<double, 2> strain{0, 0};  ///< |true strain| within which the stress keeps to the table's ...
+    std::optional<std::array<double, 2>> strain_tension;  ///< the same in tension; none: not measured
+    double strain_error = 0;                              ///< ... within this
+    std::optional<double> crown;                          ///< r_c / r_s (not NORTON's: it has one only)
+    std::optional<double> stiffness_ratio;                ///< k_rep / k_att (the same)
 
     /// `size` for a sample of so many particles: straight in their logarithm, constant beyond the sizes seen.
     double size_error(double count) const;

@@ -15,7 +15,8 @@ struct ExpectedFlow {
     std::string phase;
     std::int32_t label = 0;
     double stress = 0;  ///< K rate^M at the highest rate [Pa]
-    /// |flow stress / (K rate^M) - 1| to expect within the window: the sum of the four below.
+    /// |flow stress / (K rate^M) - 1| to expect within the window, 19 times of 20: root of the sum of squares of the
+    /// four below, which have nothing to do with each other.
     double error = 0;
     double packings = 0;  ///< twice the spread over packings (NORTON, TRILIN: with the misfit of the law)
     double rates = 0;     ///< BILIN: how far the master curve is from K rate^M over the rates

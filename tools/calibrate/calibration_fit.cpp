@@ -111,6 +111,11 @@ std::array<double, 2> strain_window(const std::map<RowKey, Row>& rows, const Fit
     return {rounded(static_cast<double>(first) * ratio_spacing), rounded(static_cast<double>(last) * ratio_spacing)};
 }
 
+std::map<RowKey, Row> in_direction(std::map<RowKey, Row> rows, bool tension) {
+    std::erase_if(rows, [&](const auto& row) { return std::get<2>(row.first) != tension; });
+    return rows;
+}
+
 struct Sweep {
     double particles = 0, strain_per_step = 0;
     std::map<RowKey, Row> rows;
@@ -148,7 +153,10 @@ Sweep sweep_of(const std::vector<MeasuredRun>& runs, const FitOptions& options, 
     for (const auto& [key, row] : sweep.rows)
         window.packings = std::min(window.packings, static_cast<int>(row.runs.size()));
     window.density = one.density;
-    window.strain = strain_window(sweep.rows, options);
+    const std::map<RowKey, Row> compression = in_direction(sweep.rows, false), tension = in_direction(sweep.rows, true);
+    if (compression.empty()) throw InvalidInput("no run presses: a table needs compression, tension is the rest");
+    window.strain = strain_window(compression, options);
+    if (!tension.empty()) window.strain_tension = strain_window(tension, options);
     window.strain_error = options.strain_error;
     if (one.law == Law::norton) return sweep;
     window.crown = one.crown;

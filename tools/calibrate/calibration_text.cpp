@@ -16,8 +16,10 @@ std::string window_text(const CalibrationWindow& window) {
     std::string text = fmt::format("packings = {}\ndensity = {:.4g}\n", window.packings, window.density);
     if (window.crown) text += fmt::format("crown = {:.6g}\n", *window.crown);
     if (window.stiffness_ratio) text += fmt::format("stiffness_ratio = {:.6g}\n", *window.stiffness_ratio);
-    return text + fmt::format("particles = {}\nsize = {}\nstrain = {}\nstrain_error = {:g}\n", list(window.particles),
-                              list(window.size), list(window.strain), window.strain_error);
+    const std::string tension =
+        window.strain_tension ? fmt::format("strain_tension = {}\n", list(*window.strain_tension)) : "";
+    return text + fmt::format("particles = {}\nsize = {}\nstrain = {}\n{}strain_error = {:g}\n", list(window.particles),
+                              list(window.size), list(window.strain), tension, window.strain_error);
 }
 
 std::string errors_text(const DirectedErrors& error) {

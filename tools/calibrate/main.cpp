@@ -41,6 +41,7 @@ cli::Usage usage(Request& request) {
 struct Compared {
     std::string law;
     double control, flow, spread, shipped, shipped_spread;
+    std::string measure = "spread";  ///< what the two are: of TRILIN and NORTON the error of the law fitted
     double difference() const { return flow / shipped - 1; }
     double both() const { return std::hypot(spread, shipped_spread); }
 };
@@ -58,11 +59,11 @@ std::vector<Compared> beside_the_shipped(const Calibration& table) {
     if (table.trilin)
         for (const double rate : table.trilin->rate)
             rows.push_back({"trilin", rate, table.trilin->flow.at(rate), table.trilin->error.compression.value_or(0),
-                            shipped.trilin->flow.at(rate), shipped.trilin->error.compression.value_or(0)});
+                            shipped.trilin->flow.at(rate), shipped.trilin->error.compression.value_or(0), "error"});
     if (table.norton)
         rows.push_back({"norton", table.norton->sensitivity[1], table.norton->flow,
                         table.norton->error.compression.value_or(0), shipped.norton->flow,
-                        shipped.norton->error.compression.value_or(0)});
+                        shipped.norton->error.compression.value_or(0), "error"});
     return rows;
 }
 
@@ -70,6 +71,7 @@ void tell(const CalibrationWindow& window, const std::string& law) {
     cli::report(law + "_packings", static_cast<std::int64_t>(window.packings));
     cli::report(law + "_strain_from", window.strain[0]);
     cli::report(law + "_strain_to", window.strain[1]);
+    if (window.strain_tension) cli::report(law + "_strain_to_tension", (*window.strain_tension)[1]);
     if (window.packings < 2)
         cli::note(fmt::format("law \"{}\": one packing has no spread, so the errors of the table are too small", law));
 }
@@ -88,11 +90,11 @@ void run(const Request& request) {
     const std::string text = calibration_text(table);
     parse_calibration(text, request.table.string());  // what no scene could read is not written
 
-    Table rows({"law", "chi, rate*t0 or M [-]", "flow [-]", "spread [-]", "shipped [-]", "shipped_spread [-]",
+    Table rows({"law", "control [-]", "flow [-]", "spread_or_error [-]", "shipped [-]", "shipped_spread_or_error [-]",
                 "difference [-]", "verdict"});
     for (const Compared& one : beside_the_shipped(table)) {
         const std::string verdict =
-            std::abs(one.difference()) < one.both() ? "smaller than the spread" : "larger than the spread";
+            fmt::format("{} than the {}", std::abs(one.difference()) < one.both() ? "smaller" : "larger", one.measure);
         rows.add(
             {one.law, one.control, one.flow, one.spread, one.shipped, one.shipped_spread, one.difference(), verdict});
         cli::report(fmt::format("{}_{:g}", one.law, one.control),

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "core/error.hpp"
 #include "core/expected_flow.hpp"
 #include "core/model.hpp"
@@ -86,7 +88,9 @@ TEST(Calibration, SaysTheErrorToExpectAndItsWindow) {
     EXPECT_NEAR(found.size, 0.05, 1e-12) << "half way between 100 and 10,000 particles in the logarithm";
     EXPECT_NEAR(found.packings, 2 * scene.calibration->bilin->spread_at(model.phases[0].chi), 1e-12);
     EXPECT_NEAR(found.rates, std::abs(0.5 * std::pow(10, 0.3) - 1), 1e-3) << "a slope of 0.301 instead of 0.3";
-    EXPECT_NEAR(found.error, found.size + found.packings + found.rates + 0.01, 1e-12);
+    EXPECT_NEAR(found.error,
+                std::sqrt(std::pow(found.size, 2) + std::pow(found.packings, 2) + std::pow(found.rates, 2) + 1e-4),
+                1e-12);
     EXPECT_NEAR(found.rate[0], 1e-3, 1e-12);
     EXPECT_THAT(found.outside, testing::IsEmpty());
 }
@@ -108,6 +112,22 @@ TEST(Calibration, NamesWhatIsOutsideOfIt) {
     EXPECT_THAT(
         outside(with(scene_text, "-0.4, rate = 1e-2", "-0.2, rate = 1e-2 }, { strain = -0.4, rate = 1e-4"), 1000),
         testing::ElementsAre(HasSubstr("the rate falls to 0.0001 /s")));
+}
+
+TEST(Calibration, TellsTensionFromCompression) {
+    const Packing sample = cloud(2000);
+    const auto expected = [&](const std::string& strain) {
+        const Scene scene = parse_scene(
+            "[phase.a]\nlabel = 1\nlaw = \"trilin\"\nnorton = { K = 49.1, M = 0.0714 }\n[load]\nsteps = [ { strain = " +
+                strain + ", rate = 1e-3 } ]",
+            "s.toml");
+        return expected_flows(scene, sample, compile_model(scene, sample)).at(0);
+    };
+    const TrilinCalibration& shipped = *shipped_calibration().trilin;
+    EXPECT_NEAR(expected("-0.3").error, std::hypot(*shipped.error.compression, 0.04), 1e-9);
+    EXPECT_NEAR(expected("0.3").error, std::hypot(*shipped.error.tension, 0.04), 1e-9);
+    EXPECT_THAT(expected("-0.8").outside, testing::IsEmpty());
+    EXPECT_THAT(expected("0.8").outside, testing::ElementsAre(HasSubstr("strain 0.8")));
 }
 
 TEST(Calibration, NeedsNoneForConstantsThatAreGiven) {
