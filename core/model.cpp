@@ -45,22 +45,44 @@ struct Constants {
     double stiffness, period;
 };
 
-Constants bilin_constants(const Norton& norton, double rate, double time_step, double seed_radius) {
-    const double chi = law::bilin_chi_for(norton.rate_sensitivity);
+Constants bilin_constants(const Calibration& table, const Norton& norton, double rate, double time_step,
+                          double seed_radius) {
+    const law::BilinFlow& curve = table.bilin->curve;
+    const double chi = curve.chi_for(norton.rate_sensitivity);
     const double period = std::max(law::least_steps_per_period * time_step, std::sqrt(chi * time_step / rate));
     const double stress = norton.stress(rate) * pascal_per_megapascal;
-    return {stress * 2 * seed_radius / law::bilin_master_curve(rate * period * period / time_step), period};
+    return {stress * 2 * seed_radius / curve.at(rate * period * period / time_step), period};
 }
 
-Constants trilin_constants(const Norton& norton, double rate, double time_step, double seed_radius) {
-    if (std::abs(norton.rate_sensitivity - law::trilin_rate_sensitivity) > law::trilin_sensitivity_tolerance)
+Constants trilin_constants(const Calibration& table, const Norton& norton, double rate, double time_step,
+                           double seed_radius) {
+    const law::TrilinFlow& flow = table.trilin->flow;
+    if (std::abs(norton.rate_sensitivity - flow.sensitivity) > flow.tolerance) {
+        const bool bilin = table.bilin && norton.rate_sensitivity <= table.bilin->curve.greatest_sensitivity;
         throw InvalidInput(
-            fmt::format("M = {:g} is out of reach of law \"trilin\", whose rate sensitivity is {:g} within {:g}; under "
-                        "compression law \"bilin\" can",
-                        norton.rate_sensitivity, law::trilin_rate_sensitivity, law::trilin_sensitivity_tolerance));
+            fmt::format("M = {:g} is out of reach of law \"trilin\", whose rate sensitivity is {:g} within {:g}; {}",
+                        norton.rate_sensitivity, flow.sensitivity, flow.tolerance,
+                        bilin ? "under compression law \"bilin\" can, in tension too law \"norton\""
+                              : "law \"norton\" can, for any M up to 1"));
+    }
     const double period = law::trilin_steps_per_period * time_step;
     const double stress = norton.stress(rate) * pascal_per_megapascal;
-    return {stress * 2 * seed_radius / law::trilin_flow(rate * period), period};
+    return {stress * 2 * seed_radius / flow.at(rate * period), period};
+}
+
+/// A table of one's own need not hold every law; constants that are given need none.
+void require_calibration(const Scene& scene) {
+    const Calibration& table = scene.flow_table();
+    const auto phase = std::find_if(scene.phases.begin(), scene.phases.end(), [](auto& one) { return one.norton; });
+    if (phase == scene.phases.end()) return;
+    const auto [held, name] = scene.law() == Law::bilin    ? std::pair(table.bilin.has_value(), "bilin")
+                              : scene.law() == Law::trilin ? std::pair(table.trilin.has_value(), "trilin")
+                                                           : std::pair(table.norton.has_value(), "norton");
+    if (!held)
+        throw InvalidInput(
+            fmt::format("scene '{}' line {}: [phase.{}] has law \"{}\", which the calibration '{}' does not hold; make "
+                        "it with pipelines/calibrate LAWS={}, or remove calibration from [accuracy]",
+                        scene.path.string(), phase->line, phase->name, name, table.name, name));
 }
 
 PhaseModel compile_phase(const Scene& scene, const Phase& phase, double time_step) {
@@ -69,8 +91,8 @@ PhaseModel compile_phase(const Scene& scene, const Phase& phase, double time_ste
     Constants constants{};
     if (phase.norton) {
         try {
-            constants =
-                (trilin ? trilin_constants : bilin_constants)(*phase.norton, rate, time_step, scene.seed_radius);
+            constants = (trilin ? trilin_constants : bilin_constants)(scene.flow_table(), *phase.norton, rate,
+                                                                      time_step, scene.seed_radius);
         } catch (const InvalidInput& error) {
             throw InvalidInput(fmt::format("scene '{}' line {}: [phase.{}]: {}", scene.path.string(), phase.line,
                                            phase.name, error.what()));
@@ -141,7 +163,8 @@ double strain_per_step_for(const Scene& scene, double equilibrium_error) {
     double strain_per_step = longest / law::least_steps_per_period;
     for (const Phase& phase : scene.phases) {
         if (phase.norton) {
-            const double chi = law::bilin_chi_for(phase.norton->rate_sensitivity);  // = (rate t0)^2 / strain_per_step
+            const double chi = scene.flow_table().bilin->curve.chi_for(
+                phase.norton->rate_sensitivity);  // = (rate t0)^2 / strain_per_step
             const double most = chi > 0 ? longest * longest / chi : equilibrium_error / error_per_strain_step;
             strain_per_step = std::min(strain_per_step, most);
         } else if (const double error = error_per_rate_and_period * scene.highest_rate() * *phase.natural_period;
@@ -185,6 +208,7 @@ Model compile_model(const Scene& scene, const Packing& sample) {
                 "make it with vol2pack --objects {}",
                 scene.path.string(), phase.line, phase.name, phase.label));
     }
+    require_calibration(scene);
     Model model;
     model.seed_radius = scene.seed_radius;
     model.crown_radius = scene.crown_radius;

@@ -56,10 +56,11 @@ void add_norton(const Scene& scene, const Packing& sample, Model& model) {
     model.norton->seed_diameter = d;
     model.norton->flow_rate = rate;
     model.norton->least_rate = least_share * scene.lowest_rate();
+    const NortonCalibration& calibration = *scene.flow_table().norton;
     double softest = 1e300;
     for (const PhaseModel& phase : model.phases) {
         const Norton& wanted = *scene.phase(phase.label).norton;
-        const double consistency = wanted.consistency * pascal_per_megapascal / C::flow_stress;
+        const double consistency = wanted.consistency * pascal_per_megapascal / calibration.flow;
         model.norton->materials.push_back(
             {consistency, wanted.rate_sensitivity,
              consistency * std::pow(scene.reference_rate.value_or(rate), wanted.rate_sensitivity)});

@@ -395,9 +395,31 @@ void read_accuracy(TableReader reader, Scene& scene) {
     scene.reference_rate = reader.positive("reference_rate", units::rate);
     if (scene.reference_rate && scene.law() != Law::norton)
         reader.fail(*reader.find("reference_rate"), "reference_rate belongs to law \"norton\"");
+    if (const auto file = reader.text("calibration")) scene.calibration_file = scene.path.parent_path() / *file;
     scene.averaging_strain = reader.positive("averaging_strain").value_or(scene.averaging_strain);
     scene.frames = reader.integer("frames", 1).value_or(scene.frames);
     reader.refuse_unknown();
+}
+
+std::string text_of(const std::filesystem::path& path, const std::string& what) {
+    std::ifstream file(path);
+    if (!file || std::filesystem::is_directory(path))
+        throw InvalidInput(fmt::format("cannot read {} '{}': no such file", what, path.string()));
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+/// A table in the scene's text goes first: a stored scene keeps the name of the file and does not need it.
+void read_calibration(bool in_text, Scene& scene) {
+    if (in_text) {
+        scene.calibration_file.clear();
+        scene.calibration = parse_calibration(scene.text, scene.path.string());
+    } else if (!scene.calibration_file.empty()) {
+        const std::string table = text_of(scene.calibration_file, "calibration");
+        scene.calibration = parse_calibration(table, scene.calibration_file.string());
+        scene.text += fmt::format("\n# ---- of the calibration file ----\n{}", table);
+    }
 }
 
 void read_output(TableReader reader, Scene& scene) {
@@ -533,6 +555,7 @@ Scene parse_scene(const std::string& text, const std::string& name) {
     reader.get("load");
     read_load(*reader.table("load", "[load]"), name, scene);
     if (auto accuracy = reader.table("accuracy", "[accuracy]")) read_accuracy(*accuracy, scene);
+    read_calibration(reader.find("calibration") != nullptr, scene);
     if (auto output = reader.table("output", "[output]")) read_output(*output, scene);
     reader.refuse_unknown();
     check_loads_against_laws(scene, reader);
@@ -540,12 +563,7 @@ Scene parse_scene(const std::string& text, const std::string& name) {
 }
 
 Scene read_scene(const std::filesystem::path& path) {
-    std::ifstream file(path);
-    if (!file || std::filesystem::is_directory(path))
-        throw InvalidInput(fmt::format("cannot read scene '{}': no such file", path.string()));
-    std::ostringstream text;
-    text << file.rdbuf();
-    return parse_scene(text.str(), path.string());
+    return parse_scene(text_of(path, "scene"), path.string());
 }
 
 }  // namespace tomodem

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "core/calibration.hpp"
+
 /// What a sample is made of and what is done to it, as the user wrote it (docs/scene.md).
 namespace tomodem {
 
@@ -76,7 +78,7 @@ struct Wall {
 
 struct Scene {
     std::filesystem::path path;
-    std::string text;
+    std::string text;  ///< of the file, and of its calibration file if it names one
 
     double seed_radius = 0.5;  ///< r_s [mm] that the constants are meant for; a sample of another size is scaled to it
     double crown_radius = 0.75;    ///< r_c [mm]
@@ -100,6 +102,8 @@ struct Scene {
     double strain_per_step = 5e-6;    ///< largest strain in one time step [-]: the knob of speed against inertia
     std::optional<double> equilibrium_error;  ///< bound that chooses the time step instead (BILIN, NORTON) [-]
     std::optional<double> reference_rate;     ///< 1/s, of NORTON's elastic parts; the highest rate when not given
+    std::optional<Calibration> calibration;   ///< of the scene's own: [accuracy] calibration, or a table [calibration]
+    std::filesystem::path calibration_file;   ///< where it was read from; empty where the scene's text holds it
     double averaging_strain = 0.01;           ///< window of the forces [-]
     std::int64_t frames = 30;                 ///< frames after the initial one, equally spaced in strain
 
@@ -108,6 +112,8 @@ struct Scene {
 
     Law law() const { return phases.front().law; }
     const Phase& phase(std::int32_t label) const;  ///< @throws InvalidInput if no phase has it
+    /// The scene's own calibration, or the one that ships.
+    const Calibration& flow_table() const { return calibration ? *calibration : shipped_calibration(); }
     double highest_rate() const;
     /// The lowest of the steps' rates, where they begin.
     double lowest_rate() const;
@@ -120,6 +126,8 @@ struct Scene {
 Scene read_scene(const std::filesystem::path& path);
 
 /// As read_scene, for a text in memory; `name` stands for the file in errors.
+///
+/// A calibration file is read, and its text added to the scene's: what is stored repeats the run without that file.
 Scene parse_scene(const std::string& text, const std::string& name);
 
 }  // namespace tomodem

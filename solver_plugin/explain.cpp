@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "core/law/bilin_flow.hpp"
 #include "core/load_path.hpp"
 #include "core/norton_model.hpp"
 #include "solver_plugin/guards.hpp"
@@ -86,6 +85,7 @@ Explanation explain(const Packing& sample, const Scene& scene, MPI_Comm communic
 
     Explanation found;
     found.ingredients = ingredients_of(scene, sample, model);
+    found.flows = expected_flows(scene, sample, model);
     found.particles = static_cast<std::int64_t>(sample.size());
     found.time_step = model.time_step;
     found.time_step_reason =

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/expected_flow.hpp"
 #include "core/packing.hpp"
 #include "core/scene.hpp"
 
@@ -20,6 +21,7 @@ struct Ingredient {
 /// What a run of a scene would be.
 struct Explanation {
     std::vector<Ingredient> ingredients;
+    std::vector<ExpectedFlow> flows;
     std::int64_t particles = 0;
     double time_step = 0;  ///< s
     std::string time_step_reason;

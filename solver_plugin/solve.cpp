@@ -2,8 +2,10 @@
 #include "solver_plugin/solver.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/cli.hpp"
+#include "core/expected_flow.hpp"
 #include "core/packing_file.hpp"
 #include "solver_plugin/explain.hpp"
 #include "solver_plugin/mpi_tool.hpp"
@@ -39,6 +41,40 @@ cli::Usage usage(Request& request) {
         .example("mpirun -np 2 solve relaxed.h5 scene.toml run.h5 --json run.json");
 }
 
+std::string quoted(const std::string& text) {
+    std::string result = "\"";
+    for (const char c : text) result += c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c};
+    return result + '"';
+}
+
+/// What the calibration promises of each phase that is given by norton; warns outside of what it was measured on.
+void tell(const Scene& scene, const std::vector<ExpectedFlow>& flows) {
+    if (flows.empty()) return;
+    cli::report("calibration", scene.calibration ? scene.flow_table().name : "shipped, " + scene.flow_table().name);
+    std::string rows;
+    for (const ExpectedFlow& one : flows) {
+        std::string outside;
+        for (const std::string& what : one.outside) outside += (outside.empty() ? "" : ", ") + quoted(what);
+        if (!one.outside.empty())
+            cli::note(
+                fmt::format("[phase.{}] is outside its calibration: {}", one.phase, fmt::join(one.outside, "; ")));
+        cli::report(
+            "expected_flow_" + one.phase,
+            fmt::format("{:.4g} MPa within {:.0f} % (packings {:.1f}, rates {:.1f}, size {:.1f}, time step {:.1f}), "
+                        "{:.3g} to {:.3g} /s, strain {:g} to {:g}{}",
+                        one.stress / 1e6, 100 * one.error, 100 * one.packings, 100 * one.rates, 100 * one.size,
+                        100 * one.time_step, one.rate[0], one.rate[1], one.strain[0], one.strain[1],
+                        one.outside.empty() ? "" : "; this scene is outside"));
+        rows += fmt::format(
+            R"({}{{"phase": {}, "label": {}, "stress": {}, "error": {}, "error_packings": {}, "error_rates": {}, )"
+            R"("error_size": {}, "error_time_step": {}, "rate_from": {}, "rate_to": {}, "strain_from": {}, )"
+            R"("strain_to": {}, "outside": [{}]}})",
+            rows.empty() ? "" : ", ", quoted(one.phase), one.label, one.stress, one.error, one.packings, one.rates,
+            one.size, one.time_step, one.rate[0], one.rate[1], one.strain[0], one.strain[1], outside);
+    }
+    cli::report_json("expected_flow", "[" + rows + "]");
+}
+
 void tell(const Explanation& found) {
     for (const Ingredient& one : found.ingredients)
         cli::report(one.name, fmt::format("{}: {}", one.on ? "on" : "off", one.why));
@@ -56,7 +92,9 @@ void run(const Request& request) {
     const Scene scene = read_scene(request.scene);
     Packing sample = read_sample(request.sample);
     if (request.explain) {
-        tell(explain(sample, scene, MPI_COMM_WORLD));
+        const Explanation found = explain(sample, scene, MPI_COMM_WORLD);
+        tell(found);
+        tell(scene, found.flows);
         return;
     }
     Provenance provenance = cli::provenance();
@@ -64,10 +102,14 @@ void run(const Request& request) {
     for (const Wall& wall : scene.walls)  // one that is not there is told with its line, later
         if (std::filesystem::exists(wall.surface))
             provenance.inputs[wall.surface.string()] = content_digest(wall.surface);
+    if (!scene.calibration_file.empty())
+        provenance.inputs[scene.calibration_file.string()] = content_digest(scene.calibration_file);
     if (request.control.resume && is_complete(request.run, provenance)) {
         cli::note(fmt::format("'{}' is complete: nothing to do", request.run.string()));
         return;
     }
+    const std::vector<ExpectedFlow> flows = expected_flows(scene, sample, compile_model(scene, sample));
+    tell(scene, flows);
     const RunResult result = solve(std::move(sample), scene, request.run, provenance, MPI_COMM_WORLD, request.control);
     cli::report("particles", result.particles);
     cli::report("particles_lost", result.particles_lost);

@@ -3,70 +3,44 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/error.hpp"
 
 namespace tomodem::law {
-namespace {
 
-struct Point {
-    double chi, g;
-};
-
-// One phase, D = 0.70, time_step / t0 <= 0.05.
-constexpr std::array<Point, 14> curve{{{.01, .0150},
-                                       {.02, .0157},
-                                       {.04, .0163},
-                                       {.05, .0170},
-                                       {.08, .0186},
-                                       {.16, .0213},
-                                       {.2, .0230},
-                                       {.32, .0287},
-                                       {.64, .0414},
-                                       {1.28, .0583},
-                                       {2.56, .0699},
-                                       {5.1, .0742},
-                                       {10, .0762},
-                                       {41, .0804}}};
-
-constexpr double plateau_chi = 0.02;
-constexpr double steepest_chi = 1.28;
-constexpr double highest_sensitivity = 0.5;
-
-}  // namespace
-
-double bilin_master_curve(double chi) {
-    if (chi <= curve.front().chi) return curve.front().g;
-    if (chi > curve.back().chi)
+double BilinFlow::at(double value) const {
+    if (value <= chi.front()) return flow.front();
+    if (value > chi.back())
         throw InvalidInput(
-            fmt::format("rate * t0^2 / time_step = {:g} is above {:g}, where BILIN collapses; "
-                        "use a lower rate or a shorter natural period",
-                        chi, curve.back().chi));
-    const auto right = std::lower_bound(curve.begin(), curve.end(), chi,
-                                        [](const Point& point, double value) { return point.chi < value; });
+            fmt::format("rate * t0^2 / time_step = {:g} is above {:g}, where the table of BILIN ends (above {:g} the "
+                        "packing collapses); use a lower rate or a shorter natural period",
+                        value, chi.back(), greatest_chi));
+    const auto right = std::lower_bound(chi.begin(), chi.end(), value) - chi.begin();
     const auto left = right - 1;
-    const double share = std::log(chi / left->chi) / std::log(right->chi / left->chi);
-    return left->g * std::pow(right->g / left->g, share);
+    const double share = std::log(value / chi[left]) / std::log(chi[right] / chi[left]);
+    return flow[left] * std::pow(flow[right] / flow[left], share);
 }
 
-double bilin_rate_sensitivity(double chi) {
-    return std::log10(bilin_master_curve(chi) / bilin_master_curve(chi / 10));
+double BilinFlow::sensitivity(double value) const {
+    return std::log10(at(value) / at(value / 10));
 }
 
-double bilin_chi_for(double rate_sensitivity) {
-    if (rate_sensitivity > highest_sensitivity)
+double BilinFlow::chi_for(double rate_sensitivity) const {
+    if (rate_sensitivity > greatest_sensitivity)
         throw InvalidInput(
-            fmt::format("a rate sensitivity M = {:g} is out of reach of law \"bilin\", which holds up to "
-                        "{:g}",
-                        rate_sensitivity, highest_sensitivity));
-    if (rate_sensitivity >= bilin_rate_sensitivity(steepest_chi)) return steepest_chi;
-    if (rate_sensitivity <= bilin_rate_sensitivity(plateau_chi)) return 0;
-    double low = plateau_chi, high = steepest_chi;
+            fmt::format("a rate sensitivity M = {:g} is out of reach of law \"bilin\", which holds up to {:g}; law "
+                        "\"norton\" can, for any M up to 1",
+                        rate_sensitivity, greatest_sensitivity));
+    const double plateau = 2 * chi.front();
+    const double steepest = *std::max_element(chi.begin(), chi.end(),
+                                              [this](double a, double b) { return sensitivity(a) < sensitivity(b); });
+    if (rate_sensitivity >= sensitivity(steepest)) return steepest;
+    if (rate_sensitivity <= sensitivity(plateau)) return 0;
+    double low = plateau, high = steepest;
     while (high / low > 1 + 1e-9) {
         const double middle = std::sqrt(low * high);
-        (bilin_rate_sensitivity(middle) < rate_sensitivity ? low : high) = middle;
+        (sensitivity(middle) < rate_sensitivity ? low : high) = middle;
     }
     return high;
 }

@@ -20,13 +20,12 @@ struct NortonConstants {
     static constexpr double pair_share = 0.4;      ///< chi: viscosity of what is not in the mean flow, over eta d
     static constexpr double bulk_viscosity = 2;    ///< over eta
     static constexpr double wall_viscosity =
-        1000;                                    ///< of the film between particle and wall, over strength d / flow_rate
-    static constexpr double flow_stress = 1.07;  ///< over K rate^M, before it is divided by this
+        1000;  ///< of the film between particle and wall, over strength d / flow_rate
 };
 
 /// One material.
 struct NortonMaterial {
-    double consistency;       ///< K over NortonConstants::flow_stress [Pa.s^M]
+    double consistency;       ///< K over the measured flow stress of K = 1 (docs/calibration.md) [Pa.s^M]
     double rate_sensitivity;  ///< M [-]
     double strength;          ///< K rate^M at the reference rate [Pa]: what the elastic parts are multiples of
 };

@@ -1,7 +1,7 @@
 #pragma once
 #include <cmath>
 
-/// TRILIN's calibration (thesis section 14.1; the constants that its text lost are in docs/method.md).
+/// TRILIN's constants (thesis section 14.1; those that its text lost are in docs/method.md) and its flow stress.
 namespace tomodem::law {
 
 /// The time step belongs to the law: at half of it the flow stress is a quarter higher.
@@ -10,16 +10,17 @@ inline constexpr double trilin_crown_over_seed = 1.4;
 inline constexpr double trilin_stiffness_ratio = 3.0;  ///< k_rep / k_att
 /// f_att / (k_rep r_s)
 inline constexpr double trilin_attraction = 0.141;
-inline constexpr double trilin_rate_sensitivity = 0.0714;
-/// How far a wanted M may be from TRILIN's own.
-inline constexpr double trilin_sensitivity_tolerance = 0.03;
 
 /// rate t0 up to which the flow stress is K rate^M; at 0.2 the planes differ by 20 %, at 0.5 the packing bounces off.
 inline constexpr double trilin_greatest_rate = 0.1;
 
-/// Flow stress over k_rep / (2 r_s) at rate * t0: K = 49.1 MPa.s^M for k_rep = 1.42e9 uN/mm, r_s = 0.5 mm, t0 = 1 s.
-inline double trilin_flow(double rate_times_period) {
-    return 49.1e6 / 1.42e9 * std::pow(rate_times_period, trilin_rate_sensitivity);
-}
+/// A measured flow stress over k_rep / (2 r_s): flow (rate t0)^sensitivity (docs/calibration.md).
+struct TrilinFlow {
+    double flow = 0;         ///< [-] at rate t0 = 1
+    double sensitivity = 0;  ///< M [-]
+    double tolerance = 0;    ///< how far a wanted M may be from it
+
+    double at(double rate_times_period) const { return flow * std::pow(rate_times_period, sensitivity); }
+};
 
 }  // namespace tomodem::law

@@ -49,6 +49,8 @@ class Carving {
         MPI_Comm_rank(communicator, &rank);
         first_ = rank == 0;
         provenance_.scene = scene_.text;
+        if (!scene_.calibration_file.empty())
+            provenance_.inputs[scene_.calibration_file.string()] = content_digest(scene_.calibration_file);
         inputs_ = {provenance_.version, scene_.text, ""};
         for (const auto& [name, digest] : provenance_.inputs) inputs_.digests += digest + " ";
         inputs_.digests += fmt::format("{} {} {} {} {} {}", request.carve.least_across, request.carve.first_share,

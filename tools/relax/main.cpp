@@ -63,6 +63,8 @@ void run(const Request& request) {
     const Packing sample = read_sample(request.sample);
     Provenance provenance = cli::provenance();
     provenance.scene = scene.text;
+    if (!scene.calibration_file.empty())
+        provenance.inputs[scene.calibration_file.string()] = content_digest(scene.calibration_file);
     const Relaxation result = relax(sample, scene, request.limits, MPI_COMM_WORLD);
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "core/calibration.hpp"
 #include "core/error.hpp"
-#include "core/law/bilin_flow.hpp"
 #include "core/law/self_contact.hpp"
 
 namespace tomodem::law {
@@ -65,27 +65,31 @@ TEST(SelfContact, IsAnInterfaceWhereTwoFreeSurfacesMeet) {
 TEST(BilinMasterCurve, PassesThroughTheThesisPhases) {
     // Thesis: t0 and k_rep of both phases, time step 5e-4 s, 1e-3 /s.
     const auto flow_stress = [](double stiffness, double period) {
-        return stiffness * bilin_master_curve(1e-3 * period * period / 5e-4) / 1e6;
+        return stiffness * shipped_calibration().bilin->curve.at(1e-3 * period * period / 5e-4) / 1e6;
     };
     EXPECT_NEAR(flow_stress(6.23e9, 1e-2), 94.3, 0.05 * 94.3);
     EXPECT_NEAR(flow_stress(2.65e9, 0.8), 170.1, 0.10 * 170.1);
 }
 
 TEST(BilinMasterCurve, RisesAndRefusesTheCollapse) {
+    const BilinFlow& curve = shipped_calibration().bilin->curve;
     double last = 0;
     for (double chi = 0.01; chi < 41; chi *= 1.3) {
-        EXPECT_GE(bilin_master_curve(chi), last);
-        last = bilin_master_curve(chi);
+        EXPECT_GE(curve.at(chi), last);
+        last = curve.at(chi);
     }
-    EXPECT_THAT([] { bilin_master_curve(42); }, testing::ThrowsMessage<InvalidInput>(testing::HasSubstr("collapses")));
+    EXPECT_THAT([&] { curve.at(42); }, testing::ThrowsMessage<InvalidInput>(testing::HasSubstr("collapses")));
 }
 
 TEST(BilinChi, HasTheSensitivityAskedFor) {
+    const BilinFlow& curve = shipped_calibration().bilin->curve;
     for (double sensitivity : {0.05, 0.1, 0.2, 0.3, 0.4})
-        EXPECT_NEAR(bilin_rate_sensitivity(bilin_chi_for(sensitivity)), sensitivity, 1e-6);
-    EXPECT_EQ(bilin_chi_for(2.45e-3), 0);
-    EXPECT_NEAR(bilin_rate_sensitivity(bilin_chi_for(0.49)), 0.49, 0.04);
-    EXPECT_THAT([] { bilin_chi_for(0.8); }, testing::ThrowsMessage<InvalidInput>(testing::HasSubstr("out of reach")));
+        EXPECT_NEAR(curve.sensitivity(curve.chi_for(sensitivity)), sensitivity, 1e-6);
+    EXPECT_EQ(curve.chi_for(2.45e-3), 0);
+    EXPECT_NEAR(curve.sensitivity(curve.chi_for(0.49)), 0.49, 0.04);
+    EXPECT_THAT([&] { curve.chi_for(0.8); },
+                testing::ThrowsMessage<InvalidInput>(
+                    testing::HasSubstr("out of reach of law \"bilin\", which holds up to 0.5; law \"norton\" can")));
 }
 
 }  // namespace

@@ -1,0 +1,129 @@
+// calibration_table: from runs of one material under a law to the table that turns norton = { K, M } into constants.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/cli.hpp"
+#include "core/output_file.hpp"
+#include "tools/calibrate/calibration_fit.hpp"
+#include "tools/metrics/table.hpp"
+
+namespace {
+using namespace tomodem;
+
+struct Request {
+    std::vector<std::filesystem::path> runs;
+    std::filesystem::path table, curve;
+    FitOptions options;
+};
+
+cli::Usage usage(Request& request) {
+    return cli::Usage{"calibration_table", "Table of the flow stress of the laws from runs of one material."}
+        .inputs("RUN", request.runs, "runs of one phase, dense, at one rate each (.h5); any mixture of laws")
+        .output("TABLE", request.table, "for [accuracy] calibration of a scene, to write (.toml)")
+        .option("--particles", request.options.particles, cli::Unit::particles, cli::positive,
+                "size that the table is of; the others say what the size changes; that of the most runs unless given")
+        .option("--strain-per-step", request.options.strain_per_step, cli::Unit::strain, cli::positive,
+                "law bilin: strain in a time step that the table is of; that of the most runs unless given")
+        .option("--at", request.options.where.at, cli::Unit::strain, cli::positive, "|strain| of the flow stress")
+        .option("--window", request.options.where.window, cli::Unit::strain, cli::positive,
+                "the flow stress is the mean over |strain| within this distance of --at")
+        .option("--strain-error", request.options.strain_error, cli::Unit::fraction, cli::positive,
+                "the window of strain ends where the mean stress of some row is off its flow stress by this share")
+        .option("--name", request.options.name, "of the table, which solve tells")
+        .output_option("--compare", request.curve,
+                       "every row beside the table that ships, with the spread over the packings (.csv)")
+        .example("calibration_table runs/*.h5 my_table.toml --compare my_table.csv");
+}
+
+/// One measured flow beside what the shipped table has there.
+struct Compared {
+    std::string law;
+    double control, flow, spread, shipped, shipped_spread;
+    std::string measure = "spread";  ///< what the two are: of TRILIN and NORTON the error of the law fitted
+    double difference() const { return flow / shipped - 1; }
+    double both() const { return std::hypot(spread, shipped_spread); }
+};
+
+std::vector<Compared> beside_the_shipped(const Calibration& table) {
+    const Calibration& shipped = shipped_calibration();
+    std::vector<Compared> rows;
+    if (table.bilin)
+        for (std::size_t k = 0; k < table.bilin->curve.chi.size(); ++k) {
+            const double chi = table.bilin->curve.chi[k];
+            if (chi < shipped.bilin->curve.chi.front() || chi > shipped.bilin->curve.chi.back()) continue;
+            rows.push_back({"bilin", chi, table.bilin->curve.flow[k], table.bilin->spread[k],
+                            shipped.bilin->curve.at(chi), shipped.bilin->spread_at(chi)});
+        }
+    if (table.trilin)
+        for (const double rate : table.trilin->rate)
+            rows.push_back({"trilin", rate, table.trilin->flow.at(rate), table.trilin->error.compression.value_or(0),
+                            shipped.trilin->flow.at(rate), shipped.trilin->error.compression.value_or(0), "error"});
+    if (table.norton)
+        rows.push_back({"norton", table.norton->sensitivity[1], table.norton->flow,
+                        table.norton->error.compression.value_or(0), shipped.norton->flow,
+                        shipped.norton->error.compression.value_or(0), "error"});
+    return rows;
+}
+
+void tell(const CalibrationWindow& window, const std::string& law) {
+    cli::report(law + "_packings", static_cast<std::int64_t>(window.packings));
+    cli::report(law + "_strain_from", window.strain[0]);
+    cli::report(law + "_strain_to", window.strain[1]);
+    if (window.strain_tension) cli::report(law + "_strain_to_tension", (*window.strain_tension)[1]);
+    if (window.packings < 2)
+        cli::note(fmt::format("law \"{}\": one packing has no spread, so the errors of the table are too small", law));
+}
+
+void tell(const DirectedErrors& error, const std::string& law) {
+    if (error.compression) cli::report(law + "_error_compression", 100 * *error.compression, "%");
+    if (error.tension) cli::report(law + "_error_tension", 100 * *error.tension, "%");
+}
+
+void run(const Request& request) {
+    std::vector<MeasuredRun> runs;
+    for (const auto& path : request.runs) runs.push_back(measure_run(path, request.options.where));
+    FitOptions options = request.options;
+    if (options.name.empty()) options.name = request.table.stem().string();
+    const Calibration table = fit_calibration(runs, options);
+    const std::string text = calibration_text(table);
+    parse_calibration(text, request.table.string());  // what no scene could read is not written
+
+    Table rows({"law", "control [-]", "flow [-]", "spread_or_error [-]", "shipped [-]", "shipped_spread_or_error [-]",
+                "difference [-]", "verdict"});
+    for (const Compared& one : beside_the_shipped(table)) {
+        const std::string verdict =
+            fmt::format("{} than the {}", std::abs(one.difference()) < one.both() ? "smaller" : "larger", one.measure);
+        rows.add(
+            {one.law, one.control, one.flow, one.spread, one.shipped, one.shipped_spread, one.difference(), verdict});
+        cli::report(fmt::format("{}_{:g}", one.law, one.control),
+                    fmt::format("{:.4g} +- {:.1f} %, shipped {:.4g}: {:+.1f} %, {} ({:.1f} %)", one.flow,
+                                100 * one.spread, one.shipped, 100 * one.difference(), verdict, 100 * one.both()));
+    }
+    if (!request.curve.empty()) rows.write(request.curve);
+    write_text(request.table, text);
+
+    cli::report("runs", static_cast<std::int64_t>(runs.size()));
+    if (table.bilin) {
+        tell(*table.bilin, "bilin");
+        cli::report("bilin_time_step_error",
+                    100 * *std::max_element(table.bilin->time_step_error.begin(), table.bilin->time_step_error.end()),
+                    "%");
+    }
+    if (table.trilin) {
+        tell(*table.trilin, "trilin");
+        tell(table.trilin->error, "trilin");
+    }
+    if (table.norton) {
+        tell(*table.norton, "norton");
+        tell(table.norton->error, "norton");
+    }
+    cli::report_json("rows", rows.json());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return cli::main(argc, argv, usage, run);
+}
