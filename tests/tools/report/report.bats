@@ -154,9 +154,9 @@ END
     run -1 --separate-stderr report "$made/run.h5" nowhere/page.html
     one_line
     said "folder 'nowhere' does not exist; create it first"
-    run -1 --separate-stderr report "$made/run.h5" page.html --with nowhere
+    run -1 --separate-stderr report "$made/run.h5" page.html --with broken.h5
     one_line
-    said "cannot read --with 'nowhere'"
+    said "cannot use --with 'broken.h5' as a folder: File exists"
     [ ! -e page.html ]
 }
 
