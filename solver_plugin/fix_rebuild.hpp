@@ -10,7 +10,10 @@ namespace tomodem::plugin {
 /// 12 bytes a particle instead of 32. Only for a box whose sides are not periodic: it does not look at how they move.
 class FixRebuild : public LAMMPS_NS::Fix {
  public:
-    FixRebuild(LAMMPS_NS::LAMMPS* lmp, int count, char** words) : Fix(lmp, count, words) { force_reneighbor = 1; }
+    FixRebuild(LAMMPS_NS::LAMMPS* lmp, int count, char** words) : Fix(lmp, count, words) {
+        force_reneighbor = 1;
+        next_reneighbor = -1;  // LIGGGHTS compares it before anything has set it
+    }
 
     int setmask() override;
     void initial_integrate(int) override;
