@@ -4,6 +4,7 @@
 #   make demo                   tomography -> simulation -> pictures and a report, in out/demo
 #   make demo VOLUME=stack.tif VOXEL_SIZE=2.4um [LABELS="1=matrix,2=inclusion" | THRESHOLD=120]
 #   make batch STACKS=folder [SCENE=scene.toml] [VOXEL_SIZE=2.4um] [NP=1]     every stack of a folder, in out/batch (docs/batch.md)
+#   make case CASE=two_phases [SIZE=full]       a case of the thesis and its figures, in out/cases/two_phases (docs/cases.md)
 #   make test                   every test that CI runs
 #   make physics                long physical checks
 #   make bench                  measurements of speed and memory
@@ -19,7 +20,7 @@ OUT ?= out/demo
 export OMPI_ALLOW_RUN_AS_ROOT := 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 
-.PHONY: build demo batch test physics bench fuzz lint docs install clean
+.PHONY: build demo batch case test physics bench fuzz lint docs install clean
 
 # Packages are looked at once; after that, only when the list changes.
 $(BUILD)/.bootstrapped: packages/debian.txt bootstrap
@@ -37,6 +38,11 @@ demo: build
 batch: build
 	$(MAKE) -j $(JOBS) -f pipelines/batch/Makefile BIN=$(CURDIR)/$(BUILD)/bin OUT=$(if $(filter file,$(origin OUT)),out/batch,$(OUT))
 
+case: build
+	$(if $(wildcard pipelines/cases/$(CASE)/Makefile),,$(error CASE can be $(notdir $(patsubst %/,%,$(dir $(wildcard pipelines/cases/*/Makefile))))))
+	$(MAKE) -j $(JOBS) -f pipelines/cases/$(CASE)/Makefile BIN=$(CURDIR)/$(BUILD)/bin \
+	    OUT=$(if $(filter file,$(origin OUT)),out/cases/$(CASE),$(OUT)) figures picture
+
 test: build
 	ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS) -LE 'physics|bench'
 
@@ -52,9 +58,10 @@ fuzz: $(BUILD)/.bootstrapped
 lint: build
 	run-clang-tidy -quiet -p $(BUILD) '^$(CURDIR)/(core|tools|solver_plugin)/'
 
-# The reference of every tool, from its own usage.
+# The reference of every tool, from its own usage; the cases, from their recorded figures.
 docs: build
 	docs/make_reference $(BUILD)/bin > docs/reference.md
+	pipelines/cases/table.py > docs/cases.md
 
 install: build
 	cmake --install $(BUILD)
