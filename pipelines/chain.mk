@@ -48,7 +48,7 @@ ifdef VOLUME
   ifeq ($(wildcard $(VOLUME)),)
     $(error VOLUME '$(VOLUME)' does not exist)
   endif
-  IMAGE := $(VOLUME)
+  IMAGE := $(VOLUME)$(if $(DATASET),:$(DATASET))
   IMAGE_STATE := $(OUT)/digests/image
 else
   IMAGE_STATE := $(IMAGE)
@@ -70,7 +70,7 @@ endif
 
 image_options := $(strip $(if $(VOXEL_SIZE),--voxel-size $(VOXEL_SIZE)) $(if $(SLICE_SPACING),--slice-spacing $(SLICE_SPACING)) \
     $(if $(THRESHOLD),--threshold $(THRESHOLD)) $(if $(OTSU),--otsu $(OTSU)) $(if $(RELABEL),--relabel $(RELABEL)) \
-    $(if $(ROI),--roi $(ROI)))
+    $(if $(ROI),--roi $(ROI)) $(RAW_OPTIONS))
 
 # ---- small files that are written only when their text changes ---------------------------------------------------------
 quoted = '$(subst ','\'',$1)'

@@ -3,7 +3,8 @@
 
 usage: inputs.py [--cache FILE] [--scene SCENE] NAME=PATH...
 
-PATH is a file, or a folder with everything in it; the data that a text header (.mhd, .nhdr) points to belong to it.
+PATH is a file, or a folder with everything in it; the data that a text header (.mhd, .nhdr) points to belong to it, and so
+does what ESRF's .info or .xml beside a .vol or .raw says of it.
 Of SCENE there are three digests, none of which sees comments or layout, all of which see the files that it names:
 `scene`, all of it; `scene_phases`, which label is called what; `scene_relax`, what relaxing a sample can depend on.
 
@@ -55,7 +56,7 @@ class Digests:
         if path.is_dir():
             inside = sorted(one for one in path.rglob("*") if one.is_file())
             return text_digest([(str(one.relative_to(path)), self.of_file(one)) for one in inside])
-        return text_digest([self.of_file(one) for one in (path, *data_of_header(path))])
+        return text_digest([self.of_file(one) for one in (path, *files_beside(path))])
 
     def save(self):
         if not self.used or not self.cache or not self.cache.parent.is_dir():
@@ -65,7 +66,10 @@ class Digests:
         part.rename(self.cache)
 
 
-def data_of_header(path):
+def files_beside(path):
+    if path.suffix in (".vol", ".raw"):
+        beside = [path.with_name(path.name + end) for end in (".info", ".xml")]
+        return [one for one in beside if one.is_file()]
     if path.suffix not in (".mhd", ".nhdr") or not path.is_file():
         return []
     found = re.findall(r"(?mi)^\s*(?:ElementDataFile\s*=|data file:)\s*(\S+)\s*$", path.read_text(errors="replace"))

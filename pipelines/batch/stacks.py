@@ -5,12 +5,15 @@ import re
 import sys
 
 SLICES = (".tif", ".tiff")
-IMAGES = (*SLICES, ".mha", ".mhd", ".nrrd", ".nhdr", ".vdb")
+IMAGES = (*SLICES, ".mha", ".mhd", ".nrrd", ".nhdr", ".vdb", ".h5", ".hdf5", ".vol", ".raw")
+HEADERS = (".mhd", ".nhdr")
 
 
 def is_stack(path):
     if path.is_dir():
         return any(one.suffix.lower() in SLICES for one in path.iterdir())
+    if path.suffix == ".raw" and any(path.with_suffix(header).exists() for header in HEADERS):
+        return False  # the voxels of the stack that the header is
     return path.suffix.lower() in IMAGES
 
 

@@ -60,6 +60,47 @@ changed_since() { find out -type f -newer "$1" ! -name log.txt ! -name status ! 
     run -1 grep -q -- '--voxel-size' out/two/sample.json
 }
 
+@test "HDF5, ESRF's and raw stacks are found, with what says their layout; the voxels of a header are no stack" {
+    make_stack one.tif 1
+    /usr/bin/python3 - <<'END'
+import h5py
+from vtk import vtkTIFFReader
+from vtk.util.numpy_support import vtk_to_numpy
+
+reader = vtkTIFFReader()
+reader.SetFileName("one.tif")
+reader.SetOrientationType(1)
+reader.Update()
+image = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).reshape(40, 40, 40)
+with h5py.File("stacks/nexus.h5", "w") as file:
+    file["entry/labels"] = image
+    file["entry/grey"] = 100 * image
+    file["entry/labels"].attrs["element_size_um"] = [10.0, 10.0, 10.0]
+image.astype("<f4").tofile("stacks/esrf.vol")
+open("stacks/esrf.vol.info", "w").write("NUM_X = 40\nNUM_Y = 40\nNUM_Z = 40\nvoxelSize = 10.0\n")
+image.tofile("stacks/plain.raw")
+image.tofile("stacks/meta.raw")
+open("stacks/meta.mhd", "w").write("ObjectType = Image\nNDims = 3\nDimSize = 40 40 40\nElementSpacing = 0.01 0.01 0.01\n"
+                                   "ElementType = MET_UCHAR\nElementDataFile = meta.raw\n")
+END
+    echo 'DATASET = /entry/labels' >stacks/nexus.mk
+    printf 'RAW_OPTIONS = --raw-size 40x40x40 --raw-type uint8\nVOXEL_SIZE = 10um\n' >stacks/plain.mk
+    echo 'VOXEL_SIZE = 10um' >stacks/meta.mk
+    echo 'THRESHOLD = 0.5,1.5' >stacks/esrf.mk
+    batch GOAL=sample
+    [ "$(wc -l <out/batch.csv)" = 5 ]
+    for name in nexus esrf plain meta; do
+        [ "$(value_of "$name" status <out/batch.csv)" = "done" ]
+    done
+    [ "$(for name in nexus esrf plain meta; do value_of "$name" fraction_inclusion <out/batch.csv; done | sort -u | wc -l)" = 1 ]
+    touch before
+    sleep 0.1
+    sed -i 's/voxelSize = 10.0/voxelSize = 12.0/' stacks/esrf.vol.info
+    batch GOAL=sample
+    [ -n "$(changed_since before | grep out/esrf/sample.h5)" ]
+    [ -z "$(changed_since before | grep out/nexus/sample.h5)" ]
+}
+
 @test "what is touched and not changed makes nothing again, and a dry run knows" {
     make_stack stacks/one.tif 1
     mkdir stacks/two
