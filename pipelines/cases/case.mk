@@ -77,7 +77,7 @@ $(OUT)/%/run.h5 $(OUT)/%/run.json &: $(OUT)/%/relaxed.h5 $(OUT)/%/scene.toml | $
 	@touch $(@D)/run.h5 $(@D)/run.json
 
 # ---- measures: NAME.csv and NAME.json by the tool of that name, with NAME.options of the case ---------------------------------
-measures := stress_strain volume_change equilibrium pores control_numbers
+measures := stress_strain volume_change equilibrium pores topology control_numbers
 define measure
 $$(OUT)/%/$1.csv $$(OUT)/%/$1.json &: $$(OUT)/%/run.h5 | $$(BIN)/$1
 	$$(BIN)/$1 $$< $$(@D)/$1.csv $$($1.options) $$(threads) --json $$(@D)/$1.json --quiet
@@ -103,9 +103,9 @@ check: $(OUT)/figures.csv
 	$(CASES)figures.py $(expected) $(OUT) $(SIZE) $(PACKINGS) --check
 
 picture: $(OUT)/picture.png
-panel_files := $(shell $(CASES)picture.py $(expected) $(OUT) $(PACKINGS) --files)
+panel_files := $(shell $(CASES)picture.py $(expected) $(OUT) $(SIZE) $(PACKINGS) --files)
 $(OUT)/picture.png: $(CASES)picture.py $(expected) $(figure_files) $(panel_files) $(OUT)/figures.parameters
-	$< $(expected) $(OUT) $(PACKINGS)
+	$< $(expected) $(OUT) $(SIZE) $(PACKINGS)
 
 record: $(OUT)/figures.csv $(OUT)/picture.png
 	$(if $(filter full,$(SIZE)),,$(error record keeps the figures of SIZE=full))

@@ -12,7 +12,8 @@ outside of the bounds of its size. EXPECTED.toml holds
   file = "stress_strain.json"         # a summary ...
   key = "flow_stress"                 # ... and what of it, as a.b or list.-1.c
   # or file = "pores.csv", column = "volume [mm^3]", and one of
-  #    at = 0.3 (of "abs_strain [-]"; between two rows on a straight line), row = -1
+  #    at = 0.3 (of "abs_strain [-]"; between two rows on a straight line), row = -1; with back = true the last time that
+  #    the strain is there, as in tension after compression
   over = { run = "bilin_b" }          # optional: the quotient; what is not said is as above
   scale = 1e-6                        # optional: unit over that of the file
   unit = "MPa"
@@ -60,6 +61,7 @@ def from_summary(text, key):
 def from_table(rows, place):
     if "row" in place:
         return float(rows[place["row"]][place["column"]])
+    rows = rows[::-1] if place.get("back") else rows
     strains = [float(row["abs_strain [-]"]) for row in rows]
     for before, after in zip(range(len(rows)), range(1, len(rows))):
         low, high = strains[before], strains[after]

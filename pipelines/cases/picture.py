@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """The picture of a case: rendered samples and curves side by side.
 
-usage: picture.py EXPECTED.toml OUT PACKING... [--files]
+usage: picture.py EXPECTED.toml OUT SIZE PACKING... [--files]
 
 Writes OUT/picture.png; --files prints the files that it reads instead. EXPECTED.toml holds, from left to right,
 
   [[panel]]
+  size = "full"                              # optional: not in the picture of the other size
   title = "before"
   image = "inclusion_norton-1/before.png"    # in OUT
   [[panel]]
@@ -16,6 +17,7 @@ Writes OUT/picture.png; --files prints the files that it reads instead. EXPECTED
   columns = ["abs_strain [-]", "abs_stress_true [Pa]"]
   scale = [1, 1e-6]                          # optional, of the columns
   runs = { bilin_a = "BILIN", norton = "NORTON" }   # run = label: every packing is a line
+  each = "object [-]"                        # optional: a line for each value of this column
   levels = { "K rate^M" = 94.3 }             # optional: horizontal lines
   points = { "finite elements" = [[0.3, 151.3]] }   # optional
   log = "xy"                                 # optional: logarithmic axes
@@ -48,10 +50,12 @@ def draw_curves(axis, panel, out, packings):
     for label, file in drawn_runs(panel, out, packings):
         with open(file) as table:
             rows = list(csv.DictReader(table))
-        xs, ys = ([factor * float(row[column] or "nan") for row in rows] for factor, column in zip(scale, panel["columns"]))
-        new = label not in colours
-        colour = colours.setdefault(label, f"C{len(colours)}")
-        axis.plot(xs, ys, color=colour, lw=1, label=label if new else None)
+        for one in dict.fromkeys(row[panel["each"]] for row in rows) if "each" in panel else [None]:
+            its = [row for row in rows if one is None or row[panel["each"]] == one]
+            xs, ys = ([factor * float(row[column] or "nan") for row in its] for factor, column in zip(scale, panel["columns"]))
+            new = label not in colours
+            colour = colours.setdefault(label, f"C{len(colours)}")
+            axis.plot(xs, ys, color=colour, lw=1, label=label if new else None)
     for label, level in panel.get("levels", {}).items():
         axis.axhline(level, color="black", lw=0.8, ls=":")
         axis.annotate(label, (0.99, level), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=7)
@@ -69,11 +73,12 @@ def main():
     parser = argparse.ArgumentParser(prog="picture", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("expected", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
+    parser.add_argument("size")
     parser.add_argument("packings", nargs="+")
     parser.add_argument("--files", action="store_true")
     options = parser.parse_args()
     expected = tomllib.loads(options.expected.read_text())
-    panels = expected.get("panel", [])
+    panels = [panel for panel in expected.get("panel", []) if panel.get("size", options.size) == options.size]
     if options.files:
         print(*sorted(set(map(str, files(panels, options.out, options.packings)))))
         return
@@ -81,6 +86,7 @@ def main():
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from PIL import Image
     across = expected.get("columns_of_panels", min(3, len(panels)))
     down = -(-len(panels) // across)
     figure, axes = plt.subplots(down, across, figsize=(3.6 * across, 3.1 * down), squeeze=False, layout="constrained")
@@ -95,6 +101,8 @@ def main():
         axis.set_title(panel.get("title", ""), fontsize=9)
     target = options.out / "picture.png"
     figure.savefig(target.with_suffix(".part"), format="png", dpi=min(130, LARGEST_WIDTH / figure.get_size_inches()[0]))
+    # A palette: a third of the bytes.
+    Image.open(target.with_suffix(".part")).convert("RGB").quantize(256).save(target.with_suffix(".part"), "png", optimize=True)
     target.with_suffix(".part").rename(target)
 
 
