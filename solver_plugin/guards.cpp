@@ -96,6 +96,13 @@ void warn_of_contrast(const Scene& scene, const Model& model) {
                         scene.phase(hard->label).name, ratio, scene.phase(soft->label).name, stiffness_ratio_warned));
 }
 
+void warn_of_self_contact(const Model& model) {
+    if (model.norton && model.self_contact)
+        cli::warn(
+            "self_contact does not work under law \"norton\": its packings are loose, contacts inside are taken for "
+            "surfaces that meet, and the sample tears when it is pulled; take law \"trilin\"");
+}
+
 void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample) {
     if (scene.steps.empty()) return;
     double low = 1e300, high = -1e300;

@@ -29,6 +29,9 @@ void refuse_collapse(const plugin::Simulation& simulation, double elastic_energy
 /// Between phases of very different stiffness BILIN's and TRILIN's softer one comes out too weak: warns.
 void warn_of_contrast(const Scene& scene, const Model& model);
 
+/// NORTON's packings are too loose for N_mag (docs/norton.md): warns.
+void warn_of_self_contact(const Model& model);
+
 /// The planes must not jump over particles: warns, or throws InvalidInput.
 void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample);
 

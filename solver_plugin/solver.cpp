@@ -85,6 +85,7 @@ class Pressing {
                                            run_file.string()));
         check_plane_speed(scene, model_, *sample_);
         warn_of_contrast(scene, model_);
+        warn_of_self_contact(model_);
         has_objects_ = !sample_->object.empty();
         const Vec3 edges = sample_->box.edges;
         initial_section_ = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];
