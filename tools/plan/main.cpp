@@ -27,7 +27,9 @@ cli::Usage usage(Request& request) {
         "plan",
         "Propose resolution, law and time step for an image and a scene, with predicted error, time and memory.");
     add_volume(usage, request.volume)
-        .output("PROPOSED", request.proposed, "the scene with the law and the time step proposed, to write (.toml)")
+        .optional_output("PROPOSED", request.proposed,
+                         "the scene with the law and the time step proposed, to write (.toml); default: "
+                         "NAME.proposed.toml beside the scene NAME.toml")
         .required("--error", request.error, cli::Unit::percent, cli::positive,
                   "wanted of each quantity: what 19 runs of 20 keep within")
         .input_option("--scene", request.scene, "what the sample is made of and what is done to it (.toml; required)")
@@ -38,7 +40,7 @@ cli::Usage usage(Request& request) {
         .choice("--feature", request.feature, {"median", "smallest"},
                 "object, pore or strut that gets the particles across; the median is of the volume")
         .input_option("--table", request.table, "measured on another machine, or other scenes (.toml: pipelines/trade)")
-        .example("plan stack/ proposed.toml --scene scene.toml --error 5% --voxel-size 2.4um")
+        .example("plan stack/ --scene scene.toml --error 5% --voxel-size 2.4um")
         .example("plan casting.tif proposed.toml --scene casting.toml --error 10% --of pore_volume");
     return usage;
 }
@@ -171,8 +173,11 @@ std::vector<std::string> commands(const Request& request, const Proposal& found,
     return lines;
 }
 
-void run(const Request& request) {
+void run(const Request& given) {
+    Request request = given;
     if (!cli::given("--scene")) throw WrongUsage("give the --scene");
+    if (request.proposed.empty())
+        request.proposed = std::filesystem::path(request.scene).replace_extension("proposed.toml");
     PlanRequest wanted;
     wanted.of = quantities_asked(request.of);
     wanted.scene_text = content(request.scene);
@@ -181,7 +186,7 @@ void run(const Request& request) {
     wanted.smallest = request.feature == "smallest";
     if (request.law != "any")
         wanted.law = request.law == "bilin" ? Law::bilin : request.law == "trilin" ? Law::trilin : Law::norton;
-    const Scene scene = parse_scene(wanted.scene_text, wanted.scene_name);
+    const Scene scene = readable_scene(wanted.scene_text, wanted.scene_name);
     const TradeTable table =
         request.table.empty() ? shipped_trade() : parse_trade(content(request.table), request.table.string());
 

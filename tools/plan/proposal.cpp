@@ -130,6 +130,7 @@ class Search {
         tried.time_step = model.time_step;
         tried.steps = 0;
         for (const LoadSegment& segment : load_path(scene, model.time_step)) tried.steps += segment.steps;
+        if (model.planes_hold()) tried.steps += relaxation_steps(model, seating_periods);
         tried.flows = expected_flows(scene, std::llround(tried.particles), model);
         double rates = 0;
         if (scene.lowest_rate() < scene.highest_rate() * (1 - 1e-6))
@@ -194,7 +195,7 @@ std::vector<Quantity> quantities_of(const ImageFeatures& image, const Scene& sce
 
 Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const TradeTable& table) {
     Plan plan;
-    const Scene scene = parse_scene(request.scene_text, request.scene_name);
+    const Scene scene = readable_scene(request.scene_text, request.scene_name);
     plan.of = request.of.empty() ? quantities_of(image, scene) : request.of;
     check_asked(plan.of, image);
     const Search search(image, request, table, plan.of);

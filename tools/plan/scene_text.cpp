@@ -76,11 +76,26 @@ void choose_step(const std::string& text, const toml::table& root, const SceneCh
     }
 }
 
+/// Of a text that is TOML at all, with phases in it.
+toml::table parsed(const std::string& text, const std::string& name) {
+    try {
+        toml::table root = toml::parse(text);
+        if (const auto* phases = root.get_as<toml::table>("phase");
+            phases != nullptr && std::all_of(phases->begin(), phases->end(), [](const auto& phase) {
+                return phase.second.is_table() && phase.second.as_table()->contains("label");
+            }))
+            return root;
+    } catch (const toml::parse_error&) {
+        // parse_scene says what and where.
+    }
+    parse_scene(text, name);
+    throw InvalidInput(fmt::format("scene '{}' has no phases that a law could be put into", name));
+}
+
 }  // namespace
 
 std::string with_choice(const std::string& text, const SceneChoice& choice, const std::string& name) {
-    parse_scene(text, name);
-    const toml::table root = toml::parse(text);
+    const toml::table root = parsed(text, name);
     std::vector<Edit> edits;
     choose_law(text, root, choice.law, edits);
     choose_step(text, root, choice, edits);
@@ -96,6 +111,19 @@ std::string with_choice(const std::string& text, const SceneChoice& choice, cons
             "[accuracy]",
             name, name_of(choice.law), choice.key(), choice.step));
     return changed;
+}
+
+Scene readable_scene(const std::string& text, const std::string& name) {
+    try {
+        return parse_scene(text, name);
+    } catch (const InvalidInput&) {
+        for (const SceneChoice& other : {SceneChoice{Law::norton, 0.02}, {Law::trilin, 1e-4}, {Law::bilin, 2e-5}}) try {
+                return parse_scene(with_choice(text, other, name), name);
+            } catch (const InvalidInput&) {
+                // The next law, or what is wrong with the first.
+            }
+        throw;
+    }
 }
 
 }  // namespace tomodem

@@ -20,4 +20,8 @@ struct SceneChoice {
 ///         be replaced
 std::string with_choice(const std::string& text, const SceneChoice& choice, const std::string& name);
 
+/// The scene as it is or, if its law cannot carry it, as another law would: phases and load are what counts.
+/// @throws InvalidInput what is wrong with the text as it is, if no law can
+Scene readable_scene(const std::string& text, const std::string& name);
+
 }  // namespace tomodem

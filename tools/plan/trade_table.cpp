@@ -86,8 +86,8 @@ class Reader {
     std::optional<Reader> table(const std::string& key) {
         const toml::node* node = find(key);
         if (node == nullptr) return {};
-        if (!node->is_table()) fail(*node, fmt::format("{} must be a table, [{}.{}]", key, where_, key));
-        return Reader(*node->as_table(), where_ + "." + key, file_);
+        if (!node->is_table()) fail(*node, fmt::format("{} in [{}] must be a table", key, where_));
+        return Reader(*node->as_table(), where_.empty() ? key : where_ + "." + key, file_);
     }
     void refuse_unknown() const {
         for (const auto& [key, node] : table_)
