@@ -3,6 +3,7 @@
 
 usage: page.py PAGE.md REFERENCE.toml TABLE.toml RESULTS.csv OUTPUT.md     (the plot goes beside it: OUTPUT.svg)
 """
+import math
 import pathlib
 import statistics
 import string
@@ -14,7 +15,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from trade import BASE_FILTER, QUANTITIES, Results, setting_error, spread
+from trade import BASE_FILTER, QUANTITIES, Results, spread
 
 WANTED = [0.02, 0.05, 0.10, 0.20]
 TITLES = {"flow_stress": "flow stress", "composite_stress": "stress of two phases", "shape_factor": "shape factor",
@@ -36,18 +37,19 @@ def rows(columns, lines):
     return "\n".join(["| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)] + ["| " + " | ".join(line) + " |" for line in lines])
 
 
-def settings(results, quantity):
-    """Every setting of two packings or more: law, size, step, CPU seconds, MB, error (19 runs of 20)."""
+def settings(results, quantity, trade):
+    """Every setting measured: law, size, step, CPU seconds, MB, and the error of plan's table (19 runs of 20)."""
     found = []
     part = QUANTITIES[quantity][0]
     keys = {(row["law"], row["size"], row["step"]) for row in results.of(quantity=part, rate=1.0, filter=BASE_FILTER)}
     for law, size, step in keys:
-        wanted = {"law": law, "size": size, "step": step, "rate": 1.0, "filter": BASE_FILTER}
-        runs = results.of(quantity=part, **wanted)
-        if len(runs) < 2 or results.of(quantity="none", scene=runs[0]["scene"], **wanted):
+        curve = trade[law][quantity]
+        if size not in curve["resolution"] or float(step) not in curve["step"]:
             continue
-        bias, one_spread = setting_error(results, quantity, **wanted)
-        found.append({"law": law, "size": size, "step": step, "error": (bias**2 + 4 * one_spread**2) ** 0.5,
+        at = curve["resolution"].index(size)
+        runs = results.of(quantity=part, law=law, size=size, step=step, rate=1.0, filter=BASE_FILTER)
+        error = math.hypot(curve["bias"][at], 2 * curve["spread"][at], curve["step_error"][curve["step"].index(float(step))])
+        found.append({"law": law, "size": size, "step": step, "error": error,
                       "cpu": statistics.mean(run["cpu_solve"] + run["cpu_prepare"] for run in runs),
                       "mb": statistics.mean(run["peak_bytes"] for run in runs) / 1e6,
                       "particles": statistics.mean(run["particles"] for run in runs)})
@@ -59,10 +61,10 @@ def named(one, quantity):
     return f"{one['law'].upper()}, {one['size']:g} {across}, {one['step']}"
 
 
-def best(results):
+def best(results, trade):
     lines = []
     for quantity, title in TITLES.items():
-        known = settings(results, quantity)
+        known = settings(results, quantity, trade)
         cells = [title]
         for wanted in WANTED:
             within = [one for one in known if one["error"] <= wanted]
@@ -74,16 +76,16 @@ def best(results):
     return rows(["quantity", *(f"{100 * wanted:g} %" for wanted in WANTED), "the least"], lines)
 
 
-def by_size(results, bases):
+def by_size(results):
     lines = []
     for quantity, title in MEASURED.items():
         for law in LAWS:
-            sizes = results.values("size", [quantity], law=law, step=bases.get(law), rate=1.0, filter=BASE_FILTER)
+            sizes = results.values("size", [quantity], law=law, step=results.base(quantity, law), rate=1.0, filter=BASE_FILTER)
             if not sizes:
                 continue
             cells = []
             for size in sizes:
-                wanted = {"law": law, "size": size, "step": bases[law], "rate": 1.0, "filter": BASE_FILTER}
+                wanted = {"law": law, "size": size, "step": results.base(quantity, law), "rate": 1.0, "filter": BASE_FILTER}
                 cpu = statistics.mean(row["cpu_solve"] + row["cpu_prepare"] for row in results.of(quantity=quantity, **wanted))
                 cells.append(f"{size:g}: {percent(results.errors(quantity, **wanted))} ({cpu:.2g} s)")
             scene = results.of(quantity=quantity)[0]["scene"]
@@ -93,14 +95,14 @@ def by_size(results, bases):
                 [line + [""] * (width - len(line)) for line in lines])
 
 
-def one_knob(results, key, bases, number=float):
+def one_knob(results, key, number=float):
     """What turning one knob changes, against the base, of the same samples [%]."""
     base = {"rate": 1.0, "filter": BASE_FILTER}
     lines = []
     for quantity, title in MEASURED.items():
         for law in LAWS:
             found = results.of(quantity=quantity, law=law)
-            base["step"] = bases.get(law)
+            base["step"] = results.base(quantity, law)
             for size in sorted({row["size"] for row in found}):
                 cells = []
                 for value in sorted({row[key] for row in found if row["size"] == size and not str(row["filter"]).startswith("probe")},
@@ -120,12 +122,12 @@ def one_knob(results, key, bases, number=float):
                 [line + [""] * (width - len(line)) for line in lines])
 
 
-def by_rate(results, bases):
+def by_rate(results):
     lines = []
     for quantity, title in MEASURED.items():
         for law in LAWS:
             for row in results.of(quantity=quantity, law=law, rate=0.1)[:1]:
-                wanted = {"law": law, "size": row["size"], "step": bases[law], "filter": BASE_FILTER}
+                wanted = {"law": law, "size": row["size"], "step": results.base(quantity, law), "filter": BASE_FILTER}
                 cells = [row["scene"], title, law.upper(), f"{row['size']:g}"]
                 for rate in (1.0, 0.1):
                     runs = results.of(quantity=quantity, rate=rate, **wanted)
@@ -146,10 +148,13 @@ def dead(results):
     return "; ".join(found) if found else "none"
 
 
-def draw(results, path):
+def draw(results, trade, path):
     figure, axes = plt.subplots(2, 3, figsize=(10.5, 6.4), layout="constrained")
     for axis, (quantity, title) in zip(axes.flat, TITLES.items()):
-        known = settings(results, quantity)
+        known = settings(results, quantity, trade)
+        if not known:
+            axis.set_axis_off()
+            continue
         for k, law in enumerate(LAWS):
             of_law = [one for one in known if one["law"] == law]
             axis.scatter([one["cpu"] for one in of_law], [100 * one["error"] for one in of_law], s=14, color=f"C{k}", label=law.upper())
@@ -171,16 +176,10 @@ def main(page, reference, table, source, output):
     results = Results(source, reference)
     output = pathlib.Path(output)
     trade = tomllib.loads(pathlib.Path(table).read_text())["trade"]
-    bases = {}
-    for law in LAWS:  # the step whose error is counted from itself
-        for quantity in trade.get(law, {}).values():
-            if isinstance(quantity, dict):
-                known = [row["step"] for row in results.of(law=law)]
-                bases[law] = max(set(known), key=known.count)
-    draw(results, output.with_suffix(".svg"))
+    draw(results, trade, output.with_suffix(".svg"))
     text = string.Template(pathlib.Path(page).read_text()).substitute(
-        plot=output.with_suffix(".svg").name, processor=trade["processor"], best=best(results), sizes=by_size(results, bases),
-        steps=one_knob(results, "step", bases), rates=by_rate(results, bases), filters=one_knob(results, "filter", bases, str),
+        plot=output.with_suffix(".svg").name, processor=trade["processor"], best=best(results, trade), sizes=by_size(results),
+        steps=one_knob(results, "step"), rates=by_rate(results), filters=one_knob(results, "filter", str),
         probes=by_probe(results), dead=dead(results), runs=len({tuple(row[key] for key in ("scene", "law", "size", "step", "rate", "filter", "packing"))
                                                               for row in results.rows if not row["filter"].startswith("probe")}),
         cpu=f"{sum(row['cpu_solve'] for row in results.rows if row['quantity'] in ('flow_stress', 'composite_stress', 'pore_start', 'foam_stress') and row['cpu_solve'] > 0) / 60:.0f}")

@@ -1,10 +1,9 @@
 #!/usr/bin/python3
 """Writes the table that `plan` uses (tools/plan/trade.toml is one).
 
-usage: table.py REFERENCE.toml RESULTS.csv TABLE.toml [--law LAW DENSITY STEP]... [--name NAME]
+usage: table.py REFERENCE.toml RESULTS.csv TABLE.toml [--law LAW DENSITY]... [--name NAME]
 """
 import argparse
-import math
 import pathlib
 import statistics
 
@@ -47,27 +46,47 @@ def changes_of_steps(results, parts, law, base, steps):
     return [*np.maximum.accumulate(found[:at][::-1])[::-1], 0.0, *np.maximum.accumulate(found[at + 1:])]
 
 
-def curve(results, quantity, law, base):
+def no_better(values):
+    """Each at least as large as those after it."""
+    return np.maximum.accumulate(values[::-1])[::-1]
+
+
+def prepare_cost(rows):
+    """a and b of CPU seconds a + b N (N / 1000)^(1/3), relative errors squared least: a relaxation takes as many periods as the
+    sample is wide."""
+    seconds = np.array([row["cpu_prepare"] for row in rows])
+    work = np.array([row["particles"] * (row["particles"] / 1000) ** (1 / 3) for row in rows])
+    first, each = np.linalg.lstsq(np.stack([1 / seconds, work / seconds], axis=1), np.ones(len(rows)), rcond=None)[0]
+    if first < 0 or each < 0:
+        first, each = 0.0, np.sum(work / seconds) / np.sum((work / seconds) ** 2)
+    return first, each
+
+
+def curve(results, quantity, law):
     parts = QUANTITIES[quantity]
     rows = [row for row in results.of(law=law, rate=1.0, filter=BASE_FILTER) if row["quantity"] in parts]
     if not rows:
         return None
+    base = results.base(quantity, law)
     sizes = results.values("size", parts, law=law, step=base, rate=1.0, filter=BASE_FILTER)
-    errors = [setting_error(results, quantity, law=law, size=size, step=base, rate=1.0, filter=BASE_FILTER) for size in sizes]
+    bias, spread = np.transpose([setting_error(results, quantity, law=law, size=size, step=base, rate=1.0, filter=BASE_FILTER)
+                                 for size in sizes])
+    # Three packings say little of a spread, and an error may pass through 0: no size is taken for better than the finer ones.
+    # The flow stress was calibrated at some size, and is right there.
+    spread = no_better(spread)
+    bias = bias if quantity == "flow_stress" else no_better(bias)
     # A step that some run did not survive is none to propose.
     dead = {row["step"] for row in results.of(quantity="none", law=law, scene=rows[0]["scene"], rate=1.0)}
     steps = [step for step in sorted({row["step"] for row in rows}, key=float) if step not in dead]
-    prepare = straight([math.log(row["particles"] / 1000) for row in rows],
-                       [math.log(row["cpu_prepare"] / row["particles"]) for row in rows])
     return "\n".join([
         f"[trade.{law}.{quantity}]",
         f"resolution = {numbers(sizes)}",
-        f"bias = {numbers(error for error, _ in errors)}",
-        f"spread = {numbers(spread for _, spread in errors)}",
+        f"bias = {numbers(bias)}",
+        f"spread = {numbers(spread)}",
         f"step = {numbers(map(float, steps))}",
         f"step_error = {numbers(changes_of_steps(results, parts, law, base, steps))}",
         f"particle_step = {statistics.median(row['cpu_solve'] / row['particles'] / row['steps'] for row in rows):.3g}",
-        f"prepare = {numbers([math.exp(prepare[0]), prepare[1]])}", ""])
+        f"prepare = {numbers(prepare_cost(rows))}", ""])
 
 
 def main():
@@ -75,15 +94,15 @@ def main():
     parser.add_argument("reference")
     parser.add_argument("results")
     parser.add_argument("table", type=pathlib.Path)
-    parser.add_argument("--law", nargs=3, action="append", default=[])
+    parser.add_argument("--law", nargs=2, action="append", default=[])
     parser.add_argument("--name", default="pipelines/trade")
     options = parser.parse_args()
     results = Results(options.results, options.reference)
     text = ["# What accuracy costs, measured by pipelines/trade: docs/trade.md says what each key means.", "[trade]", "format = 1",
             f'name = "{options.name}"', f'processor = "{processor()}"   # whose seconds these are', ""]
-    for law, density, base in options.law:
+    for law, density in options.law:
         rows = [row for row in results.of(law=law) if row["particles"] > 0]
-        curves = [curve(results, quantity, law, base) for quantity in QUANTITIES]
+        curves = [curve(results, quantity, law) for quantity in QUANTITIES]
         if not rows or not any(curves):
             continue
         first, each = straight([row["particles"] for row in rows], [row["peak_bytes"] for row in rows])

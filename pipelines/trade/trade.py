@@ -33,15 +33,21 @@ class Results:
     def values(self, key, of, **wanted):
         return sorted({row[key] for row in self.of(**wanted) if row["quantity"] in of})
 
+    def base(self, quantity, law):
+        """The step that was taken most often: that of the sweep over sizes."""
+        steps = [row["step"] for row in self.of(law=law, rate=1.0, filter=BASE_FILTER)
+                 if row["quantity"] in QUANTITIES.get(quantity, [quantity])]
+        return max(sorted(set(steps), key=float), key=steps.count, default=None)
+
     def truth(self, quantity, rate=1.0):
-        """The value that is right; of what has none the mean of the finest size of norton."""
+        """The value that is right; of what has none the mean of the finest step of the finest size of norton."""
         known = self.reference.get(quantity, {}).get(f"{rate:g}")
         if known is not None:
             return known
         law = "norton" if self.of(quantity=quantity, law="norton") else self.rows[0]["law"]
         rows = self.of(quantity=quantity, law=law, filter=BASE_FILTER, rate=rate)
-        finest = max(row["size"] for row in rows)
-        return statistics.mean(row["value"] for row in rows if row["size"] == finest)
+        finest = max((row["size"], -row["step_number"]) for row in rows)
+        return statistics.mean(row["value"] for row in rows if (row["size"], -row["step_number"]) == finest)
 
     def errors(self, quantity, **setting):
         """Error of each packing, signed share."""

@@ -147,10 +147,11 @@ class Search {
             if (is_stress(quantity)) error.parts.rates = rates;
             tried.errors.push_back(error);
             particle_step = std::max(particle_step, curve.particle_step);
-            prepare = std::max(prepare, curve.prepare[0] * std::pow(tried.particles / 1000, curve.prepare[1]));
+            prepare = std::max(
+                prepare, curve.prepare[0] + curve.prepare[1] * tried.particles * std::cbrt(tried.particles / 1000));
         }
         tried.cpu_seconds = particle_step * tried.particles * static_cast<double>(tried.steps);
-        tried.prepare_seconds = prepare * tried.particles;
+        tried.prepare_seconds = prepare;
         tried.bytes = trade.bytes[0] + trade.bytes[1] * tried.particles;
     }
 

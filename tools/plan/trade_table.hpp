@@ -44,7 +44,7 @@ struct TradeCurve {
     std::vector<double> step,
         step_error;                       ///< rising: strain_per_step, of NORTON equilibrium_error; and what it changes
     double particle_step = 0;             ///< CPU time of a particle in a step [s]
-    std::array<double, 2> prepare{0, 0};  ///< CPU time of filling and relaxing: first (N / 1000)^second a particle [s]
+    std::array<double, 2> prepare{0, 0};  ///< CPU time of filling and relaxing: a + b N (N / 1000)^(1/3) [s]
 
     /// Straight between the points in the logarithm of resolution and step, constant beyond the finest ones.
     /// @throws std::out_of_range beyond the coarsest ones: nothing is known there
