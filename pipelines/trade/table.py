@@ -29,14 +29,16 @@ def straight(x, y):
 
 
 def change(results, part, law, step, base):
-    """What a step changes against the base one, of the same samples; 0 where it is the same time step in all of them."""
-    pairs = []
-    for row in results.of(quantity=part, law=law, step=step, rate=1.0, filter=BASE_FILTER):
-        for other in results.of(quantity=part, law=law, step=base, rate=1.0, filter=BASE_FILTER, size=row["size"],
-                                packing=row["packing"]):
-            if abs(float(row["time_step"]) / float(other["time_step"]) - 1) > 0.01:
-                pairs.append(row["value"] / other["value"] - 1)
-    return abs(statistics.mean(pairs)) if pairs else 0.0
+    """What a step changes against the base one, of the same samples, in the finest size that both were taken in and where it
+    is another time step; 0 where there is none."""
+    rows = results.of(quantity=part, law=law, rate=1.0, filter=BASE_FILTER)
+    for size in sorted({row["size"] for row in rows}, reverse=True):
+        of_step, of_base = ({row["packing"]: row for row in rows if row["size"] == size and row["step"] == one} for one in (step, base))
+        pairs = [of_step[packing]["value"] / of_base[packing]["value"] - 1 for packing in of_step.keys() & of_base.keys()
+                 if abs(float(of_step[packing]["time_step"]) / float(of_base[packing]["time_step"]) - 1) > 0.01]
+        if pairs:
+            return abs(statistics.mean(pairs))
+    return 0.0
 
 
 def changes_of_steps(results, parts, law, base, steps):
@@ -44,6 +46,17 @@ def changes_of_steps(results, parts, law, base, steps):
     found = [max(change(results, part, law, step, base) for part in parts) for step in steps]
     at = steps.index(base)
     return [*np.maximum.accumulate(found[:at][::-1])[::-1], 0.0, *np.maximum.accumulate(found[at + 1:])]
+
+
+def rate_error(results, parts, law, base):
+    """How far the mean error at a tenth of the rate is from that at the rate of the constants."""
+    found = []
+    for part in parts:
+        for size in {row["size"] for row in results.of(quantity=part, law=law, rate=0.1)}:
+            slow, fast = (statistics.mean(results.errors(part, law=law, size=size, step=base, rate=rate, filter=BASE_FILTER))
+                          for rate in (0.1, 1.0))
+            found.append(abs(slow - fast))
+    return max(found, default=None)
 
 
 def no_better(values):
@@ -78,6 +91,7 @@ def curve(results, quantity, law):
     # A step that some run did not survive is none to propose.
     dead = {row["step"] for row in results.of(quantity="none", law=law, scene=rows[0]["scene"], rate=1.0)}
     steps = [step for step in sorted({row["step"] for row in rows}, key=float) if step not in dead]
+    slow = rate_error(results, parts, law, base)
     return "\n".join([
         f"[trade.{law}.{quantity}]",
         f"resolution = {numbers(sizes)}",
@@ -85,6 +99,7 @@ def curve(results, quantity, law):
         f"spread = {numbers(spread)}",
         f"step = {numbers(map(float, steps))}",
         f"step_error = {numbers(changes_of_steps(results, parts, law, base, steps))}",
+        *([f"rate_error = {slow:.3g}"] if slow is not None else []),
         f"particle_step = {statistics.median(row['cpu_solve'] / row['particles'] / row['steps'] for row in rows):.3g}",
         f"prepare = {numbers(prepare_cost(rows))}", ""])
 

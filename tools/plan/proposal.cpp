@@ -132,9 +132,10 @@ class Search {
         for (const LoadSegment& segment : load_path(scene, model.time_step)) tried.steps += segment.steps;
         if (model.planes_hold()) tried.steps += relaxation_steps(model, seating_periods);
         tried.flows = expected_flows(scene, std::llround(tried.particles), model);
-        double rates = 0;
-        if (scene.lowest_rate() < scene.highest_rate() * (1 - 1e-6))
-            for (const ExpectedFlow& flow : tried.flows) rates = std::max(rates, flow.rates);
+        const double decades = std::max(0.0, std::log10(scene.highest_rate() / scene.lowest_rate()));
+        double misfit = 0;
+        if (decades > 1e-6)
+            for (const ExpectedFlow& flow : tried.flows) misfit = std::max(misfit, flow.rates);
 
         tried.errors.clear();
         double particle_step = 0, prepare = 0;
@@ -144,7 +145,7 @@ class Search {
             error.quantity = quantity;
             error.resolution = resolution(quantity, tried.seed_radius, trade.density);
             error.parts = curve.error(error.resolution, tried.choice.step);
-            if (is_stress(quantity)) error.parts.rates = rates;
+            error.parts.rates = std::max(decades * curve.rate_error, is_stress(quantity) ? misfit : 0.0);
             tried.errors.push_back(error);
             particle_step = std::max(particle_step, curve.particle_step);
             prepare = std::max(

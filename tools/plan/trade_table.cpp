@@ -110,6 +110,7 @@ TradeCurve read_curve(Reader& reader) {
     curve.spread = reader.list("spread", curve.resolution.size());
     curve.step = reader.rising("step");
     curve.step_error = reader.list("step_error", curve.step.size());
+    if (reader.find("rate_error") != nullptr) curve.rate_error = reader.positive("rate_error");
     curve.particle_step = reader.positive("particle_step");
     curve.prepare = reader.pair("prepare");
     reader.refuse_unknown();

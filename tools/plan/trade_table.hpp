@@ -30,7 +30,7 @@ struct ErrorParts {
     double resolution = 0;  ///< of the mean over packings
     double time_step = 0;
     double packings = 0;  ///< twice the standard deviation from one packing to another
-    double rates = 0;     ///< of the law, where the rate of the load changes
+    double rates = 0;     ///< where the rate of the load falls below the one that constants are chosen for
     /// Root of the sum of their squares: what 19 runs of 20 keep within.
     double total() const;
     /// Name of the largest part, in words.
@@ -43,6 +43,7 @@ struct TradeCurve {
     std::vector<double> bias, spread;  ///< of each: |mean error| and standard deviation over the packings
     std::vector<double> step,
         step_error;                       ///< rising: strain_per_step, of NORTON equilibrium_error; and what it changes
+    double rate_error = 0;                ///< where the rate falls to a tenth of the one that constants are chosen for
     double particle_step = 0;             ///< CPU time of a particle in a step [s]
     std::array<double, 2> prepare{0, 0};  ///< CPU time of filling and relaxing: a + b N (N / 1000)^(1/3) [s]
 

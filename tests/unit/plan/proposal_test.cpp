@@ -21,8 +21,8 @@ using testing::ThrowsMessage;
 /// step.
 const TradeTable table = [] {
     TradeTable made;
-    TradeCurve curve{{4, 16}, {0.2, 0.05}, {0, 0}, {2e-5, 2e-4}, {0, 0.03}, 1e-8, {0, 0}};
-    TradeCurve dense{{500, 8000}, {0.2, 0.05}, {0, 0}, {2e-5, 2e-4}, {0, 0.03}, 1e-8, {0, 0}};
+    TradeCurve curve{{4, 16}, {0.2, 0.05}, {0, 0}, {2e-5, 2e-4}, {0, 0.03}, 0.05, 1e-8, {0, 0}};
+    TradeCurve dense{{500, 8000}, {0.2, 0.05}, {0, 0}, {2e-5, 2e-4}, {0, 0.03}, 0.05, 1e-8, {0, 0}};
     LawTrade bilin{0.7, {1e7, 1000}, {}};
     for (const Quantity quantity : quantities)
         bilin.curve[quantity] = quantity == Quantity::flow_stress ? dense : curve;
@@ -113,6 +113,19 @@ TEST(Plan, LeavesOutALawThatHasNotTheSensitivity) {
     const Plan plan = planned(drawn::balls({12}, 2), scene, request);
     EXPECT_EQ(plan.proposal.choice.law, Law::norton);
     EXPECT_THAT(plan.not_taken.at(0).second, HasSubstr("M = 0.8 is out of reach of law \"bilin\""));
+}
+
+TEST(Plan, CountsADecadeOfRates) {
+    PlanRequest request;
+    request.error = 0.2;
+    request.law = Law::bilin;
+    request.of = {Quantity::shape_factor};
+    std::string scene = drawn::two_phases;
+    scene.replace(scene.find("{ strain = -0.3, rate = 1e-3 }"), 30,
+                  "{ strain = -0.2, rate = 1e-3 }, { strain = -0.3, rate = 1e-5 }");
+    const Plan plan = planned(drawn::balls({12}, 2), scene, request);
+    EXPECT_NEAR(plan.proposal.errors.at(0).parts.rates, 2 * 0.05, 1e-9);
+    EXPECT_LE(plan.proposal.error(), 0.2);
 }
 
 TEST(Plan, RejectsAnErrorOutOfReachWithTheLeastAndWhatLimitsIt) {
