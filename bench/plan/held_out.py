@@ -31,7 +31,7 @@ SELF_CONTACT = "[contact]\nself_contact = true\n"
 # phantom, scene, wanted error [%], how much finer the reference is, laws (all where it says nothing)
 CASES = {
     "inclusions": ("phantom_inclusions {image} --size 60 --voxel-size 10um --fraction 0.12 --count 2 --random-seed 3",
-                   SCENE.format(a=(100, 0.1), more=B, strain=-0.33, frames=33), 10, 1.7),
+                   SCENE.format(a=(100, 0.1), more=B, strain=-0.33, frames=33), 10, 2),
     "foam": ("phantom_foam {image} --size 90 --voxel-size 10um --relative-density 0.25 --cells 1 --irregularity 0.5 --random-seed 5",
              SCENE.format(a=(49.1, 0.0714), more=SELF_CONTACT, strain=-0.31, frames=31), 20, 1.5),
     "pores": ("phantom_pores {image} --size 70 --voxel-size 10um --porosity 0.05 --median-diameter 240um --spread 0.1 --clusters 0 "

@@ -49,13 +49,13 @@ def changes_of_steps(results, parts, law, base, steps):
 
 
 def rate_error(results, parts, law, base):
-    """How far the mean error at a tenth of the rate is from that at the rate of the constants."""
+    """What has to be added, as a square, to the mean error at the rate of the constants to have that at a tenth of it."""
     found = []
     for part in parts:
         for size in {row["size"] for row in results.of(quantity=part, law=law, rate=0.1)}:
             slow, fast = (statistics.mean(results.errors(part, law=law, size=size, step=base, rate=rate, filter=BASE_FILTER))
                           for rate in (0.1, 1.0))
-            found.append(abs(slow - fast))
+            found.append(max(0, slow**2 - fast**2) ** 0.5)
     return max(found, default=None)
 
 

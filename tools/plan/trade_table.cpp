@@ -49,6 +49,11 @@ class Reader {
         if (!value || !std::isfinite(*value)) fail(node, fmt::format("{} in [{}] must be a number", key, where_));
         return *value;
     }
+    double not_negative(const std::string& key) {
+        const double value = number(get(key), key);
+        if (value < 0) fail(get(key), fmt::format("{} in [{}] must not be below 0", key, where_));
+        return value;
+    }
     double positive(const std::string& key) {
         const double value = number(get(key), key);
         if (value <= 0) fail(get(key), fmt::format("{} in [{}] must be above 0", key, where_));
@@ -110,7 +115,7 @@ TradeCurve read_curve(Reader& reader) {
     curve.spread = reader.list("spread", curve.resolution.size());
     curve.step = reader.rising("step");
     curve.step_error = reader.list("step_error", curve.step.size());
-    if (reader.find("rate_error") != nullptr) curve.rate_error = reader.positive("rate_error");
+    if (reader.find("rate_error") != nullptr) curve.rate_error = reader.not_negative("rate_error");
     curve.particle_step = reader.positive("particle_step");
     curve.prepare = reader.pair("prepare");
     reader.refuse_unknown();
