@@ -42,10 +42,15 @@ def change(results, part, law, step, base):
 
 
 def changes_of_steps(results, parts, law, base, steps):
-    """The greatest over what was measured; further from the base it is no less."""
+    """The greatest over what was measured; further from the base it is no less.
+
+    Where errors are counted from this law itself, the base step has the error that the finest one takes away."""
     found = [max(change(results, part, law, step, base) for part in parts) for step in steps]
     at = steps.index(base)
-    return [*np.maximum.accumulate(found[:at][::-1])[::-1], 0.0, *np.maximum.accumulate(found[at + 1:])]
+    found = np.array([*np.maximum.accumulate(found[:at][::-1])[::-1], 0.0, *np.maximum.accumulate(found[at + 1:])])
+    if law == "norton" and not all(results.known(part) for part in parts):
+        found = np.where(np.arange(len(steps)) < at, found[0] - found, found[0] + found)
+    return found
 
 
 def rate_error(results, parts, law, base):
@@ -81,16 +86,19 @@ def curve(results, quantity, law):
     if not rows:
         return None
     base = results.base(quantity, law)
-    sizes = results.values("size", parts, law=law, step=base, rate=1.0, filter=BASE_FILTER)
+    scene = rows[0]["scene"]
+    failed = results.of(quantity="none", law=law, scene=scene, rate=1.0)
+    # A size that some packing does not survive at the base step is none to propose, nor is a step that does not hold the others.
+    sizes = [size for size in results.values("size", parts, law=law, step=base, rate=1.0, filter=BASE_FILTER)
+             if not any(row["size"] == size and row["step"] == base for row in failed)]
+    dead = {row["step"] for row in failed if row["size"] in sizes}
+    steps = [step for step in sorted({row["step"] for row in rows}, key=float) if step not in dead]
     bias, spread = np.transpose([setting_error(results, quantity, law=law, size=size, step=base, rate=1.0, filter=BASE_FILTER)
                                  for size in sizes])
     # Three packings say little of a spread, and an error may pass through 0: no size is taken for better than the finer ones.
     # The flow stress was calibrated at some size, and is right there.
     spread = no_better(spread)
     bias = bias if quantity == "flow_stress" else no_better(bias)
-    # A step that some run did not survive is none to propose.
-    dead = {row["step"] for row in results.of(quantity="none", law=law, scene=rows[0]["scene"], rate=1.0)}
-    steps = [step for step in sorted({row["step"] for row in rows}, key=float) if step not in dead]
     slow = rate_error(results, parts, law, base)
     return "\n".join([
         f"[trade.{law}.{quantity}]",

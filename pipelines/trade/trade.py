@@ -39,6 +39,10 @@ class Results:
                  if row["quantity"] in QUANTITIES.get(quantity, [quantity])]
         return max(sorted(set(steps), key=float), key=steps.count, default=None)
 
+    def known(self, quantity):
+        """Whether the value that is right does not come from a run."""
+        return quantity in self.reference
+
     def truth(self, quantity, rate=1.0):
         """The value that is right; of what has none the mean of the finest step of the finest size of norton."""
         known = self.reference.get(quantity, {}).get(f"{rate:g}")
