@@ -43,8 +43,8 @@ def settings(results, quantity, trade):
     part = QUANTITIES[quantity][0]
     keys = {(row["law"], row["size"], row["step"]) for row in results.of(quantity=part, rate=1.0, filter=BASE_FILTER)}
     for law, size, step in keys:
-        curve = trade[law][quantity]
-        if size not in curve["resolution"] or float(step) not in curve["step"]:
+        curve = trade.get(law, {}).get(quantity)
+        if curve is None or size not in curve["resolution"] or float(step) not in curve["step"]:
             continue
         at = curve["resolution"].index(size)
         runs = results.of(quantity=part, law=law, size=size, step=step, rate=1.0, filter=BASE_FILTER)

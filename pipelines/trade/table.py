@@ -91,6 +91,8 @@ def curve(results, quantity, law):
     # A size that some packing does not survive at the base step is none to propose, nor is a step that does not hold the others.
     sizes = [size for size in results.values("size", parts, law=law, step=base, rate=1.0, filter=BASE_FILTER)
              if not any(row["size"] == size and row["step"] == base for row in failed)]
+    if not sizes:
+        return None
     dead = {row["step"] for row in failed if row["size"] in sizes}
     steps = [step for step in sorted({row["step"] for row in rows}, key=float) if step not in dead]
     bias, spread = np.transpose([setting_error(results, quantity, law=law, size=size, step=base, rate=1.0, filter=BASE_FILTER)
