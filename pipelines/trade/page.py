@@ -14,6 +14,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+import matplotlib.ticker
 
 from trade import BASE_FILTER, QUANTITIES, Results, spread
 
@@ -165,6 +166,8 @@ def draw(results, trade, path):
                 front.append(one)
         axis.step([one["cpu"] for one in front], [100 * one["error"] for one in front], where="post", color="0.4", lw=0.8, zorder=0)
         axis.set(xscale="log", yscale="log", title=title, xlabel="CPU [s]", ylabel="error [%]")
+        for show in (axis.yaxis.set_major_formatter, axis.yaxis.set_minor_formatter):
+            show(matplotlib.ticker.LogFormatter(minor_thresholds=(1.5, 0.6)))
         axis.grid(alpha=0.3, which="both", lw=0.4)
     axes.flat[0].legend(fontsize=8)
     axes.flat[-1].set_axis_off()
