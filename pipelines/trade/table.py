@@ -64,6 +64,13 @@ def rate_error(results, parts, law, base):
     return max(found, default=None)
 
 
+def memory(results, rows, law):
+    """Bytes without particles, and of each particle: those of single's runs, as an image's own share hides them elsewhere."""
+    single = results.of(law=law, quantity="flow_stress") or rows
+    each = max(0, straight([row["particles"] for row in single], [row["peak_bytes"] for row in single])[1])
+    return max(row["peak_bytes"] - each * row["particles"] for row in rows), each
+
+
 def no_better(values):
     """Each at least as large as those after it."""
     return np.maximum.accumulate(values[::-1])[::-1]
@@ -111,6 +118,7 @@ def curve(results, quantity, law):
         f"step_error = {numbers(changes_of_steps(results, parts, law, base, steps))}",
         *([f"rate_error = {slow:.3g}"] if slow is not None else []),
         f"particle_step = {statistics.median(row['cpu_solve'] / row['particles'] / row['steps'] for row in rows):.3g}",
+        f"bytes = {numbers(memory(results, rows, law))}",
         f"prepare = {numbers(prepare_cost(rows))}", ""])
 
 
@@ -130,8 +138,7 @@ def main():
         curves = [curve(results, quantity, law) for quantity in QUANTITIES]
         if not rows or not any(curves):
             continue
-        first, each = straight([row["particles"] for row in rows], [row["peak_bytes"] for row in rows])
-        text += [f"[trade.{law}]", f"density = {density}", f"bytes = {numbers([max(0, first), max(0, each)])}", ""]
+        text += [f"[trade.{law}]", f"density = {density}", ""]
         text += filter(None, curves)
     options.table.write_text("\n".join(text))
 

@@ -138,6 +138,7 @@ class Search {
             for (const ExpectedFlow& flow : tried.flows) misfit = std::max(misfit, flow.rates);
 
         tried.errors.clear();
+        tried.bytes = 0;
         double particle_step = 0, prepare = 0;
         for (const Quantity quantity : of_) {
             const TradeCurve& curve = trade.curve.at(quantity);
@@ -147,13 +148,13 @@ class Search {
             error.parts = curve.error(error.resolution, tried.choice.step);
             error.parts.rates = std::max(decades * curve.rate_error, is_stress(quantity) ? misfit : 0.0);
             tried.errors.push_back(error);
+            tried.bytes = std::max(tried.bytes, curve.bytes[0] + curve.bytes[1] * tried.particles);
             particle_step = std::max(particle_step, curve.particle_step);
             prepare = std::max(
                 prepare, curve.prepare[0] + curve.prepare[1] * tried.particles * std::cbrt(tried.particles / 1000));
         }
         tried.cpu_seconds = particle_step * tried.particles * static_cast<double>(tried.steps);
         tried.prepare_seconds = prepare;
-        tried.bytes = trade.bytes[0] + trade.bytes[1] * tried.particles;
     }
 
     const ImageFeatures& image_;

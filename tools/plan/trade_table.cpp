@@ -117,6 +117,7 @@ TradeCurve read_curve(Reader& reader) {
     curve.step_error = reader.list("step_error", curve.step.size());
     if (reader.find("rate_error") != nullptr) curve.rate_error = reader.not_negative("rate_error");
     curve.particle_step = reader.positive("particle_step");
+    curve.bytes = reader.pair("bytes");
     curve.prepare = reader.pair("prepare");
     reader.refuse_unknown();
     return curve;
@@ -125,7 +126,6 @@ TradeCurve read_curve(Reader& reader) {
 LawTrade read_law(Reader& reader) {
     LawTrade law;
     law.density = reader.positive("density");
-    law.bytes = reader.pair("bytes");
     for (const Quantity quantity : quantities)
         if (auto curve = reader.table(name_of(quantity))) law.curve[quantity] = read_curve(*curve);
     reader.refuse_unknown();

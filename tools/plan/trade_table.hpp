@@ -45,6 +45,7 @@ struct TradeCurve {
         step_error;                       ///< rising: strain_per_step, of NORTON equilibrium_error; and what it changes
     double rate_error = 0;                ///< where the rate falls to a tenth of the one that constants are chosen for
     double particle_step = 0;             ///< CPU time of a particle in a step [s]
+    std::array<double, 2> bytes{0, 0};    ///< of memory, at most: of an empty process, and of each particle
     std::array<double, 2> prepare{0, 0};  ///< CPU time of filling and relaxing: a + b N (N / 1000)^(1/3) [s]
 
     /// Straight between the points in the logarithm of resolution and step, constant beyond the finest ones.
@@ -53,8 +54,7 @@ struct TradeCurve {
 };
 
 struct LawTrade {
-    double density = 0;                 ///< D of the brick
-    std::array<double, 2> bytes{0, 0};  ///< of memory: of an empty process, and of each particle
+    double density = 0;  ///< D of the brick
     std::map<Quantity, TradeCurve> curve;
 };
 

@@ -45,7 +45,6 @@ name = "made up"
 processor = "none"
 [trade.bilin]
 density = 0.7
-bytes = [1e7, 1000]
 [trade.bilin.shape_factor]
 resolution = [3, 6, 12]
 bias = [0.2, 0.1, 0.05]
@@ -53,6 +52,7 @@ spread = [0, 0, 0]
 step = [1e-4]
 step_error = [0]
 particle_step = 5e-8
+bytes = [1e7, 1000]
 prepare = [0, 0]
 END
 }

@@ -21,9 +21,9 @@ using testing::ThrowsMessage;
 /// step.
 const TradeTable table = [] {
     TradeTable made;
-    TradeCurve curve{{4, 16}, {0.2, 0.05}, {0, 0}, {2e-5, 2e-4}, {0, 0.03}, 0.05, 1e-8, {0, 0}};
-    TradeCurve dense{{500, 8000}, {0.2, 0.05}, {0, 0}, {2e-5, 2e-4}, {0, 0.03}, 0.05, 1e-8, {0, 0}};
-    LawTrade bilin{0.7, {1e7, 1000}, {}};
+    TradeCurve curve{{4, 16}, {0.2, 0.05}, {0, 0}, {2e-5, 2e-4}, {0, 0.03}, 0.05, 1e-8, {1e7, 1000}, {0, 0}};
+    TradeCurve dense{{500, 8000}, {0.2, 0.05}, {0, 0}, {2e-5, 2e-4}, {0, 0.03}, 0.05, 1e-8, {1e7, 1000}, {0, 0}};
+    LawTrade bilin{0.7, {}};
     for (const Quantity quantity : quantities)
         bilin.curve[quantity] = quantity == Quantity::flow_stress ? dense : curve;
     LawTrade norton = bilin;

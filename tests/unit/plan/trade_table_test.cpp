@@ -19,7 +19,6 @@ name = "of a test"
 processor = "none"
 [trade.bilin]
 density = 0.7
-bytes = [4e7, 600]
 [trade.bilin.shape_factor]
 resolution = [4, 16]
 bias = [0.2, 0.1]
@@ -27,6 +26,7 @@ spread = [0.02, 0.01]
 step = [1e-5, 1e-4]
 step_error = [0, 0.04]
 particle_step = 4e-8
+bytes = [4e7, 600]
 prepare = [1e-4, 0.5]
 )";
 
@@ -71,9 +71,9 @@ TEST(TradeTable, RejectsWhatIsWrongWithItsLine) {
         EXPECT_THAT([&] { parse_trade(replaced(text, what, by), "table.toml"); },
                     ThrowsMessage<InvalidInput>(HasSubstr(message)));
     };
-    rejected("[4, 16]", "[16, 4]", "table 'table.toml' line 9: resolution in [trade.bilin.shape_factor] must rise");
-    rejected("[0.2, 0.1]", "[0.2]", "line 10: bias in [trade.bilin.shape_factor] must be a list of 2 numbers");
-    rejected("[0.02, 0.01]", "[0.02, -0.01]", "line 11: spread in [trade.bilin.shape_factor] must not be below 0");
+    rejected("[4, 16]", "[16, 4]", "table 'table.toml' line 8: resolution in [trade.bilin.shape_factor] must rise");
+    rejected("[0.2, 0.1]", "[0.2]", "line 9: bias in [trade.bilin.shape_factor] must be a list of 2 numbers");
+    rejected("[0.02, 0.01]", "[0.02, -0.01]", "line 10: spread in [trade.bilin.shape_factor] must not be below 0");
     rejected("density", "densty", "[trade.bilin] has no 'density'");
     rejected("particle_step = 4e-8", "particle_step = 0",
              "particle_step in [trade.bilin.shape_factor] must be above 0");
