@@ -77,5 +77,5 @@ END
     grep -q '^solve: ' err.txt
     grep -q ',none,' sweep/results.csv
     ! grep -q '^step = .*0.2' sweep/trade.toml
-    grep -q 'did not survive: single, BILIN, size 300, step 0.2' sweep/trade.md
+    grep -q 'not proposed: single, BILIN, size 300, step 0.2' sweep/trade.md
 }
