@@ -6,6 +6,7 @@
 #   make batch STACKS=folder [SCENE=scene.toml] [VOXEL_SIZE=2.4um] [NP=1]     every stack of a folder, in out/batch (docs/batch.md)
 #   make case CASE=two_phases [SIZE=full]       a case of the thesis and its figures, in out/cases/two_phases (docs/cases.md)
 #   make test                   every test that CI runs
+#   make trade                  what accuracy costs: docs/trade.md and the table of `tomodem plan`
 #   make physics                long physical checks
 #   make bench                  measurements of speed and memory
 #   make fuzz SECONDS=3600      the readers of volumes under libFuzzer
@@ -20,7 +21,7 @@ OUT ?= out/demo
 export OMPI_ALLOW_RUN_AS_ROOT := 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 
-.PHONY: build demo batch case test physics bench fuzz lint docs install clean
+.PHONY: build demo batch case test physics bench trade fuzz lint docs install clean
 
 # Packages are looked at once; after that, only when the list changes.
 $(BUILD)/.bootstrapped: packages/debian.txt bootstrap
@@ -48,6 +49,9 @@ test: build
 
 physics: build
 	ctest --test-dir $(BUILD) --output-on-failure -V -L physics
+
+trade: build
+	$(MAKE) -f pipelines/trade/Makefile publish BIN=$(CURDIR)/$(BUILD)/bin OUT=$(if $(filter file,$(origin OUT)),out/trade,$(OUT))
 
 bench: build
 	ctest --test-dir $(BUILD) --output-on-failure -V -L bench

@@ -252,17 +252,21 @@ bool parse(int argc, const char* const* argv, const Usage& usage) {
         return false;
     }
 
-    std::size_t before_list = 0, after_list = 0;
+    std::size_t before_list = 0, after_list = 0, optional = 0;
     bool has_list = false;
     for (const auto& argument : arguments) {
         if (!positional(argument)) continue;
+        if (!argument.required) {
+            ++optional;
+            continue;
+        }
         if (argument.kind == Argument::Kind::inputs)
             has_list = true;
         else
             ++(has_list ? after_list : before_list);
     }
     const std::size_t least = before_list + after_list + (has_list ? 1 : 0);
-    if (positionals.size() < least || (!has_list && positionals.size() > least)) {
+    if (positionals.size() < least || (!has_list && positionals.size() > least + optional)) {
         std::vector<std::string> names;
         for (const auto& argument : arguments)
             if (positional(argument)) names.push_back(argument.name);
@@ -283,6 +287,7 @@ bool parse(int argc, const char* const* argv, const Usage& usage) {
             if (flags[k] && arguments[k].kind == Argument::Kind::flag) words[k] = {"true"};
             continue;
         }
+        if (!arguments[k].required && next == positionals.size()) continue;
         std::size_t count = 1;
         if (arguments[k].kind == Argument::Kind::inputs) count = positionals.size() - before_list - after_list;
         words[k].assign(positionals.begin() + next, positionals.begin() + next + count);

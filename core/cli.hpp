@@ -60,6 +60,8 @@ class Usage {
                  std::function<std::vector<std::filesystem::path>(const std::string&)> files, const std::string& help);
     /// A file to write; its folder must exist. Always the last positional argument.
     Usage& output(const std::string& name, std::filesystem::path& target, const std::string& help);
+    /// The same, of a tool that has another name for it where none is given. Not for a tool with a list of inputs.
+    Usage& optional_output(const std::string& name, std::filesystem::path& target, const std::string& help);
 
     /// The value that `target` holds is the default, named by --help; one outside the range stands for "not given".
     Usage& required(const std::string& flag, double& target, Unit unit, Range range, const std::string& help);

@@ -106,6 +106,11 @@ Usage& Usage::output(const std::string& name, std::filesystem::path& target, con
     return *this;
 }
 
+Usage& Usage::optional_output(const std::string& name, std::filesystem::path& target, const std::string& help) {
+    add({Argument::Kind::output, name, help, false, Unit::none, {}, {}, "", &target});
+    return *this;
+}
+
 Usage& Usage::required(const std::string& flag, double& target, Unit unit, Range range, const std::string& help) {
     add({Argument::Kind::number, flag, help, true, unit, range, {}, "", &target});
     return *this;
@@ -178,7 +183,9 @@ std::string help_text(const Usage& usage) {
     std::ostringstream out;
     out << usage.tool() << ": " << usage.purpose() << "\n\nusage: " << usage.tool();
     for (const auto& argument : usage.arguments())
-        if (positional(argument)) out << ' ' << argument.name << (argument.kind == Argument::Kind::inputs ? "..." : "");
+        if (positional(argument))
+            out << (argument.required ? " " : " [") << argument.name << (argument.required ? "" : "]")
+                << (argument.kind == Argument::Kind::inputs ? "..." : "");
     for (const auto& argument : usage.arguments())
         if (!positional(argument) && argument.required) out << ' ' << argument.name << ' ' << value_name(argument);
     out << " [options]\n\n";

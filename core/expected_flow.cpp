@@ -69,9 +69,9 @@ double error_of(const DirectedErrors& table, const Loads& loads, ExpectedFlow& f
     return largest;
 }
 
-void check_sample(const CalibrationWindow& window, const Scene& scene, const Phase& phase, const Packing& sample,
+void check_sample(const CalibrationWindow& window, const Scene& scene, const Phase& phase, std::int64_t particles,
                   ExpectedFlow& found) {
-    const auto count = static_cast<double>(sample.size());
+    const auto count = static_cast<double>(particles);
     found.size = std::abs(window.size_error(count));
     const auto add = [&](std::string text) { found.outside.push_back(std::move(text)); };
     if (below(count, window.particles.front()) || below(window.particles.back(), count))
@@ -146,7 +146,7 @@ void look_at_norton(const NortonCalibration& table, const Scene& scene, const No
 
 }  // namespace
 
-std::vector<ExpectedFlow> expected_flows(const Scene& scene, const Packing& sample, const Model& model) {
+std::vector<ExpectedFlow> expected_flows(const Scene& scene, std::int64_t particles, const Model& model) {
     std::vector<ExpectedFlow> all;
     const Calibration& table = scene.flow_table();
     for (const PhaseModel& phase : model.phases) {
@@ -159,15 +159,15 @@ std::vector<ExpectedFlow> expected_flows(const Scene& scene, const Packing& samp
         switch (scene.law()) {
             case Law::bilin:
                 look_at_bilin(*table.bilin, scene, *wanted.norton, phase, model.time_step, found);
-                check_sample(*table.bilin, scene, wanted, sample, found);
+                check_sample(*table.bilin, scene, wanted, particles, found);
                 break;
             case Law::trilin:
                 look_at_trilin(*table.trilin, scene, *wanted.norton, phase, found);
-                check_sample(*table.trilin, scene, wanted, sample, found);
+                check_sample(*table.trilin, scene, wanted, particles, found);
                 break;
             case Law::norton:
                 look_at_norton(*table.norton, scene, *wanted.norton, found);
-                check_sample(*table.norton, scene, wanted, sample, found);
+                check_sample(*table.norton, scene, wanted, particles, found);
                 break;
         }
         found.error = std::hypot(std::hypot(found.packings, found.rates), std::hypot(found.size, found.time_step));

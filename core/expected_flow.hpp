@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/model.hpp"
-#include "core/packing.hpp"
 #include "core/scene.hpp"
 
 namespace tomodem {
@@ -31,6 +30,6 @@ struct ExpectedFlow {
 ///
 /// Every error is that of one phase alone in a dense sample: what phases do to each other, pores and thin parts are not
 /// in it (docs/calibration.md).
-std::vector<ExpectedFlow> expected_flows(const Scene& scene, const Packing& sample, const Model& model);
+std::vector<ExpectedFlow> expected_flows(const Scene& scene, std::int64_t particles, const Model& model);
 
 }  // namespace tomodem

@@ -244,4 +244,11 @@ Model compile_model(const Scene& scene, const Packing& sample) {
     return model;
 }
 
+std::int64_t relaxation_steps(const Model& model, double periods) {
+    constexpr double strain_of_a_period = 0.003;
+    const double steps_of_a_period =
+        model.norton ? strain_of_a_period / (model.norton->flow_rate * model.time_step) : law::least_steps_per_period;
+    return static_cast<std::int64_t>(std::ceil(periods * steps_of_a_period));
+}
+
 }  // namespace tomodem

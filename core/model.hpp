@@ -51,4 +51,11 @@ struct Model {
 ///         lateral = "periodic" for a sample whose box is not
 Model compile_model(const Scene& scene, const Packing& sample);
 
+/// Of rest between planes that pull, for the faces to lie against them.
+inline constexpr double seating_periods = 20;
+
+/// Steps of a relaxation: `periods` of 20 steps; with NORTON each of them takes 0.003 of strain at the load's rate,
+/// which its viscosity needs.
+std::int64_t relaxation_steps(const Model& model, double periods);
+
 }  // namespace tomodem

@@ -85,20 +85,20 @@ endef
 files_of_text = $(foreach name,$1,$(eval $(call file_of_text,$(name))))
 
 image.parameters := $(strip $(IMAGE) $(image_options))
-plan.parameters := $(strip $(if $(SCENE),--scene $(SCENE)) $(if $(LABELS),--labels $(call quoted,$(LABELS))) \
+options.parameters := $(strip $(if $(SCENE),--scene $(SCENE)) $(if $(LABELS),--labels $(call quoted,$(LABELS))) \
     --density $(DENSITY) \
     $(if $(PIXELS_PER_SEED),--pixels-per-seed $(PIXELS_PER_SEED),--particles $(PARTICLES)))
 sample.parameters := $(strip $(image_options) --filter $(FILTER))
 shape.parameters := $(strip $(SHAPE_OPTIONS))
 pictures.parameters := $(strip --size $(PICTURE_SIZE))
 brick.parameters := $(strip --particles $(BRICK_PARTICLES) --density $(DENSITY))
-$(call files_of_text,image.parameters plan.parameters sample.parameters shape.parameters pictures.parameters)
+$(call files_of_text,image.parameters options.parameters sample.parameters shape.parameters pictures.parameters)
 
 programs := volume_info packgen vol2pack relax solve stress_strain shape_factor volume_change equilibrium mesh_recon render \
     report $(PROGRAMS)
 dry := $(findstring n,$(firstword -$(MAKEFLAGS)))
 digests := $(shell $(CHAIN)inputs.py $(if $(dry),,--cache $(DIGEST_CACHE)) $(if $(SCENE),--scene $(SCENE)) \
-    plan=$(CHAIN)plan.py $(if $(VOLUME),image=$(VOLUME)) $(foreach name,$(programs),$(name)=$(BIN)/$(name)))
+    options=$(CHAIN)options.py $(if $(VOLUME),image=$(VOLUME)) $(foreach name,$(programs),$(name)=$(BIN)/$(name)))
 ifneq ($(.SHELLSTATUS),0)
 $(error the inputs cannot be read)
 endif
@@ -126,13 +126,13 @@ options = $$(cat $(OUT)/options/$1)
 $(OUT)/image.json: $(OUT)/digests/volume_info $(IMAGE_STATE) $(OUT)/image.parameters
 	$(BIN)/volume_info $(IMAGE) $(image_options) $(threads) --json $@
 
-$(addprefix $(OUT)/options/,vol2pack render inclusions mesh_recon shape_factor) &: $(OUT)/digests/plan $(OUT)/image.json \
-    $(named_phases) $(OUT)/plan.parameters
-	$(CHAIN)plan.py $(OUT)/image.json $(OUT) sample $(plan.parameters)
+$(addprefix $(OUT)/options/,vol2pack render inclusions mesh_recon shape_factor) &: $(OUT)/digests/options $(OUT)/image.json \
+    $(named_phases) $(OUT)/options.parameters
+	$(CHAIN)options.py $(OUT)/image.json $(OUT) sample $(options.parameters)
 
-$(OUT)/scene.toml $(addprefix $(OUT)/options/,press equilibrium) &: $(OUT)/digests/plan $(OUT)/image.json \
-    $(if $(SCENE),$(whole_scene)) $(OUT)/plan.parameters
-	$(CHAIN)plan.py $(OUT)/image.json $(OUT) load $(plan.parameters)
+$(OUT)/scene.toml $(addprefix $(OUT)/options/,press equilibrium) &: $(OUT)/digests/options $(OUT)/image.json \
+    $(if $(SCENE),$(whole_scene)) $(OUT)/options.parameters
+	$(CHAIN)options.py $(OUT)/image.json $(OUT) load $(options.parameters)
 
 $(BRICK) $(BRICK:.h5=.json) &: $(BRICK).state
 	$(BIN)/packgen $(BRICK) $(brick.parameters) $(threads) --json $(BRICK:.h5=.json)

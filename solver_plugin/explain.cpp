@@ -85,7 +85,7 @@ Explanation explain(const Packing& sample, const Scene& scene, MPI_Comm communic
 
     Explanation found;
     found.ingredients = ingredients_of(scene, sample, model);
-    found.flows = expected_flows(scene, sample, model);
+    found.flows = expected_flows(scene, static_cast<std::int64_t>(sample.size()), model);
     found.particles = static_cast<std::int64_t>(sample.size());
     found.time_step = model.time_step;
     found.time_step_reason =

@@ -100,13 +100,6 @@ Rest relax_inside(Simulation& simulation, const Model& model, const RestLimits& 
 
 }  // namespace plugin
 
-std::int64_t relaxation_steps(const Model& model, double periods) {
-    constexpr double strain_of_a_period = 0.003;
-    const double steps_of_a_period =
-        model.norton ? strain_of_a_period / (model.norton->flow_rate * model.time_step) : law::least_steps_per_period;
-    return static_cast<std::int64_t>(std::ceil(periods * steps_of_a_period));
-}
-
 RestLimits default_rest_limits(const Model& model) {
     if (model.norton) return {.energy_ratio = 1e-3, .force_balance = 1e-2};
     return {.energy_ratio = 1e-5, .force_balance = 1e-3};

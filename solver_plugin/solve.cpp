@@ -108,7 +108,8 @@ void run(const Request& request) {
         cli::note(fmt::format("'{}' is complete: nothing to do", request.run.string()));
         return;
     }
-    const std::vector<ExpectedFlow> flows = expected_flows(scene, sample, compile_model(scene, sample));
+    const std::vector<ExpectedFlow> flows =
+        expected_flows(scene, static_cast<std::int64_t>(sample.size()), compile_model(scene, sample));
     tell(scene, flows);
     const RunResult result = solve(std::move(sample), scene, request.run, provenance, MPI_COMM_WORLD, request.control);
     cli::report("particles", result.particles);

@@ -40,13 +40,6 @@ RestLimits default_rest_limits(const Model& model);
 /// cost.
 double expected_relaxation_periods(std::int64_t particles);
 
-/// Of rest between planes that pull, for the faces to lie against them.
-inline constexpr double seating_periods = 20;
-
-/// Steps of a relaxation: `periods` of 20 steps; with NORTON each of them takes 0.003 of strain at the load's rate,
-/// which its viscosity needs.
-std::int64_t relaxation_steps(const Model& model, double periods);
-
 struct Relaxation {
     Packing sample;                   ///< at rest, `relaxed`; complete on the first process only
     bool at_rest = false;             ///< within the limits

@@ -82,7 +82,7 @@ TEST(Calibration, SaysTheErrorToExpectAndItsWindow) {
     const Scene scene = parse_scene(scene_text + "[accuracy]\nstrain_per_step = 1e-5\n" + table, "s.toml");
     const Packing sample = cloud(1000);
     const Model model = compile_model(scene, sample);
-    const ExpectedFlow found = expected_flows(scene, sample, model).at(0);
+    const ExpectedFlow found = expected_flows(scene, static_cast<std::int64_t>(sample.size()), model).at(0);
     EXPECT_EQ(found.phase, "a");
     EXPECT_NEAR(found.stress, 1000e6 * std::pow(1e-2, 0.3), 1);
     EXPECT_NEAR(found.size, 0.05, 1e-12) << "half way between 100 and 10,000 particles in the logarithm";
@@ -99,7 +99,9 @@ TEST(Calibration, NamesWhatIsOutsideOfIt) {
     const auto outside = [](const std::string& scene, std::size_t particles) {
         const Scene read = parse_scene(scene + table, "s.toml");
         const Packing sample = cloud(particles);
-        return expected_flows(read, sample, compile_model(read, sample)).at(0).outside;
+        return expected_flows(read, static_cast<std::int64_t>(sample.size()), compile_model(read, sample))
+            .at(0)
+            .outside;
     };
     EXPECT_THAT(outside(scene_text, 50), testing::ElementsAre("50 particles, measured with 100 to 10000"));
     EXPECT_THAT(outside(with(scene_text, "-0.4", "-0.6"), 1000), testing::ElementsAre(HasSubstr("strain 0.6")));
@@ -121,7 +123,7 @@ TEST(Calibration, TellsTensionFromCompression) {
             "[phase.a]\nlabel = 1\nlaw = \"trilin\"\nnorton = { K = 49.1, M = 0.0714 }\n[load]\nsteps = [ { strain = " +
                 strain + ", rate = 1e-3 } ]",
             "s.toml");
-        return expected_flows(scene, sample, compile_model(scene, sample)).at(0);
+        return expected_flows(scene, static_cast<std::int64_t>(sample.size()), compile_model(scene, sample)).at(0);
     };
     const TrilinCalibration& shipped = *shipped_calibration().trilin;
     EXPECT_NEAR(expected("-0.3").error, std::hypot(*shipped.error.compression, 0.04), 1e-9);
@@ -135,7 +137,8 @@ TEST(Calibration, NeedsNoneForConstantsThatAreGiven) {
         with(scene_text, "norton = { K = 1000, M = 0.3 }", "repulsive_stiffness = 1e9\nnatural_period = 0.1"),
         "s.toml");
     const Packing sample = cloud(1000);
-    EXPECT_THAT(expected_flows(scene, sample, compile_model(scene, sample)), testing::IsEmpty());
+    EXPECT_THAT(expected_flows(scene, static_cast<std::int64_t>(sample.size()), compile_model(scene, sample)),
+                testing::IsEmpty());
 }
 
 TEST(Calibration, RefusesWhatItDoesNotHold) {

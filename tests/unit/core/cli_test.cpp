@@ -56,6 +56,26 @@ Outcome call(
     return outcome;
 }
 
+TEST(CommandLine, LeavesOutAnOutputThatIsOptional) {
+    const auto call_with = [](std::vector<const char*> words, std::filesystem::path& output) {
+        std::filesystem::path input;
+        const Usage usage = Usage("try", "Try.")
+                                .input("INPUT", input, "what to read")
+                                .optional_output("OUTPUT", output, "what to write");
+        words.insert(words.begin(), "try");
+        CaptureStderr();
+        const int status = run_tool(static_cast<int>(words.size()), words.data(), usage, [] {});
+        GetCapturedStderr();
+        return status;
+    };
+    std::filesystem::path output = "unless given";
+    EXPECT_EQ(call_with({"/dev/null"}, output), 0);
+    EXPECT_EQ(output, "unless given");
+    EXPECT_EQ(call_with({"/dev/null", "given"}, output), 0);
+    EXPECT_EQ(output, "given");
+    EXPECT_EQ(call_with({"/dev/null", "given", "and more"}, output), 2);
+}
+
 TEST(CommandLine, StoresValuesWithTheirUnits) {
     const Outcome outcome =
         call({"/etc/hostname", "out.h5", "--radius", "2.4um", "--count", "1e2", "--filter", "nearest"});

@@ -24,11 +24,11 @@ FEWEST_PARTICLES_OF_A_SHAPE = 20
 
 
 def fail(message):
-    sys.exit(f"plan: {message}")
+    sys.exit(f"options: {message}")
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="plan", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(prog="options", description=__doc__.splitlines()[0])
     parser.add_argument("volume", type=pathlib.Path, help="summary of the image (volume_info --json)")
     parser.add_argument("out", type=pathlib.Path, help="folder to write into")
     parser.add_argument("part", choices=("sample", "load"), help="the options of the sample, or the scene and what it loads")

@@ -1,0 +1,133 @@
+#!/usr/bin/env bats
+# plan: from an image and a scene to a setting, and the scene with it.
+
+bats_require_minimum_version 1.5.0
+
+setup_file() {
+    cd "$BATS_FILE_TMPDIR" || exit 1
+    "$TOMODEM_BIN/phantom_inclusions" two.tif --size 60 --voxel-size 10um --count 4 --diameter 200um --quiet
+}
+
+setup() {
+    PATH="$TOMODEM_BIN:$PATH"
+    cd "$BATS_TEST_TMPDIR" || exit 1
+    image=$BATS_FILE_TMPDIR/two.tif
+    cat > scene.toml <<'END'
+# A composite of mine.
+[phase.matrix]
+label = 1
+law = "bilin"   # or another
+norton = { K = 100, M = 0.1 }
+[phase.inclusion]
+label = 2
+law = "bilin"
+norton = { K = 5020, M = 0.49 }
+objects = true
+
+[load]
+steps = [ { strain = -0.05, rate = 1e-3 } ]   # little
+[accuracy]
+frames = 2
+strain_per_step = 2e-5   # fine
+END
+}
+
+# json FILE EXPRESSION of j
+json() { /usr/bin/python3 -c 'import json, sys; j = json.load(open(sys.argv[1])); print(eval(sys.argv[2]))' "$1" "$2"; }
+holds() { [ "$(json "$@")" = True ]; }
+
+# A table whose answer can be worked out: 10 % at 6 particles across, whatever the time step.
+table() {
+    cat <<END
+[trade]
+format = 1
+name = "made up"
+processor = "none"
+[trade.bilin]
+density = 0.7
+[trade.bilin.shape_factor]
+resolution = [3, 6, 12]
+bias = [0.2, 0.1, 0.05]
+spread = [0, 0, 0]
+step = [1e-4]
+step_error = [0]
+particle_step = 5e-8
+bytes = [1e7, 1000]
+prepare = [0, 0]
+END
+}
+
+@test "the resolution follows from the table and the diameter of the spheres" {
+    table > table.toml
+    plan "$image" proposed.toml --scene scene.toml --error 10% --of shape_factor --table table.toml --json plan.json --quiet
+    # 20 voxels across, 6 particles: 1.67 voxels a seed radius, at most the 3 % finer of a step of the search.
+    holds plan.json '0.96 * 20 / 12 < j["pixels_per_seed"] < 1.01 * 20 / 12'
+    holds plan.json 'abs(j["features"][0]["median"] / 0.2 - 1) < 0.01 and j["features"][0]["count"] == 4'
+    holds plan.json 'j["law"] == "bilin" and j["strain_per_step"] == 1e-4 and j["steps"] == 500'
+    holds plan.json 'abs(j["predicted_cpu_seconds"] / (5e-8 * 500 * j["particles"]) - 1) < 1e-3'
+    holds plan.json 'abs(j["predicted_peak_bytes"] / (1e7 + 1000 * j["particles"]) - 1) < 1e-3'
+}
+
+@test "the scene proposed differs in law and time step alone, comments are kept, and solve accepts it" {
+    run -0 --separate-stderr plan "$image" proposed.toml --scene scene.toml --error 20%
+    lines=$(diff scene.toml proposed.toml | grep -c '^>') || true
+    [ "$lines" -le 3 ]
+    [ "$(wc -l < scene.toml)" -eq "$(wc -l < proposed.toml)" ]
+    for comment in '# A composite of mine.' '# or another' '# little' '# fine'; do grep -qF "$comment" proposed.toml; done
+    # The commands that it prints, as they stand.
+    for tool in packgen vol2pack relax; do
+        eval "$(sed -n "s/^command_$tool: //p" <<<"$output") --threads 1 --quiet"
+    done
+    eval "$(sed -n 's/^command_solve: //p' <<<"$output") --explain --json explain.json --quiet"
+    particles=$(sed -n 's/^particles: //p' <<<"$output")
+    holds explain.json "abs(j['particles'] / $particles - 1) < 0.03"
+    steps=$(sed -n 's/^steps: //p' <<<"$output")
+    holds explain.json "abs(j['steps'] / $steps - 1) < 0.1"
+}
+
+@test "without a name the scene proposed is written beside the scene" {
+    plan "$image" --scene scene.toml --error 20% --quiet
+    [ -s scene.proposed.toml ]
+}
+
+@test "voxel size, threshold and labels are read as by the other tools, and go into the commands" {
+    /usr/bin/python3 -c '
+import numpy as np
+z, y, x = np.mgrid[:40, :40, :40] + 0.5 - 20
+open("grey.raw", "wb").write(np.where(x*x + y*y + z*z < 12**2, 200, 100).astype(np.uint8).tobytes())'
+    table > table.toml
+    run -0 --separate-stderr plan grey.raw --raw-size 40x40x40 --raw-type uint8 --voxel-size 5um --threshold 50,150 \
+        --relabel 1=1,2=2 --scene scene.toml --error 10% --of shape_factor --table table.toml
+    [[ $output == *'objects_of_inclusion: 1 of them, median diameter 0.1'* ]]
+    [[ $output == *'vol2pack brick.h5 grey.raw sample.h5 --voxel-size 0.005mm --threshold 50,150 --raw-size 40x40x40 --raw-type uint8 --relabel 1=1,2=2 --pixels-per-seed '*' --objects 2'* ]]
+}
+
+@test "an error out of reach is refused with the least and what limits it; nothing is written" {
+    table > table.toml
+    run -1 plan "$image" proposed.toml --scene scene.toml --error 4% --of shape_factor --table table.toml --quiet
+    [ "$output" = 'plan: an error of 4 % is out of reach: the least is 5 % of shape_factor, with law "bilin", strain_per_step = 0.0001 and '"$(sed -n 's/.*e-*0*1 and \([0-9]*\) particles.*/\1/p;s/.*= 0.0001 and \([0-9]*\) particles.*/\1/p' <<<"$output" | head -1)"' particles; resolution limits it' ]
+    [ ! -e proposed.toml ]
+}
+
+@test "tension leaves BILIN out" {
+    sed -i 's/-0.05/0.05/' scene.toml
+    run -0 --separate-stderr plan "$image" proposed.toml --scene scene.toml --error 20%
+    [[ $output == *'law: norton'* ]]
+    [[ $stderr == *'not law "bilin": '*'tension'* ]]
+    grep -q 'equilibrium_error' proposed.toml
+    [ "$(grep -c 'law = "norton"' proposed.toml)" -eq 2 ]
+}
+
+@test "what is wrong is said in one line" {
+    run -2 plan "$image" proposed.toml --error 5%
+    [[ $output == 'plan: give the --scene'* ]]
+    run -2 plan "$image" proposed.toml --scene scene.toml --error 5% --of shape
+    [[ $output == "plan: --of 'shape': 'shape' is none of flow_stress, "* ]]
+    sed 's/label = 2/label = 3/' scene.toml > other.toml
+    run -1 plan "$image" proposed.toml --scene other.toml --error 5% --quiet
+    [[ $output == "plan: scene 'other.toml' has no phase with label 2, which the image has"* ]]
+    table | sed 's/^bias/bais/' > table.toml
+    run -1 plan "$image" proposed.toml --scene scene.toml --error 5% --table table.toml --quiet
+    [[ $output == "plan: table 'table.toml' line "*"[trade.bilin.shape_factor] has no 'bias'" ]]
+    [ ! -e proposed.toml ]
+}

@@ -1,0 +1,94 @@
+#include "tools/plan/scene_text.hpp"
+
+#include <gmock/gmock.h>
+
+#include "core/error.hpp"
+#include "tests/unit/plan/drawn.hpp"
+
+namespace tomodem {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    return text.replace(text.find(what), what.size(), by);
+}
+
+const std::string commented = R"(# Ein Gefüge, 5 µm
+[phase.a]   # the only one
+label = 1
+law = "bilin"   # as before
+norton = { K = 50, M = 0.0714 }
+[load]
+steps = [ { strain = -0.3, rate = 1e-3 } ]
+[accuracy]  # of my own
+frames = 7
+strain_per_step = 1e-5   # µ: finer than need be
+)";
+
+TEST(SceneText, ChangesOnlyLawAndStep) {
+    const std::string wanted = replaced(replaced(commented, "law = \"bilin\"", "law = \"norton\""),
+                                        "strain_per_step = 1e-5", "equilibrium_error = 0.02");
+    EXPECT_EQ(with_choice(commented, {Law::norton, 0.02}, "scene.toml"), wanted);
+}
+
+TEST(SceneText, StaysAsItIsWhereItHasTheChoice) {
+    EXPECT_EQ(with_choice(commented, {Law::bilin, 1e-5}, "scene.toml"), commented);
+}
+
+TEST(SceneText, GetsATableAtTheEndWhereThereIsNone) {
+    EXPECT_EQ(with_choice(drawn::one_phase, {Law::bilin, 2e-5}, "scene.toml"),
+              std::string(drawn::one_phase) + "\n[accuracy]\nstrain_per_step = 2e-05\n");
+}
+
+TEST(SceneText, GetsAKeyInTheTableThatIsThere) {
+    const std::string text = std::string(drawn::one_phase) + "[accuracy] # mine\nframes = 3\n";
+    EXPECT_EQ(with_choice(text, {Law::trilin, 3e-4}, "scene.toml"),
+              replaced(replaced(text, "bilin", "trilin"), "# mine\n", "# mine\nstrain_per_step = 0.0003\n"));
+}
+
+TEST(SceneText, ReplacesATimeStepThatWasGivenAndKeepsAuto) {
+    const std::string text = std::string(drawn::one_phase) + "[accuracy]\ntime_step = 0.01 # s\n";
+    EXPECT_EQ(with_choice(text, {Law::bilin, 2e-5}, "scene.toml"),
+              replaced(text, "time_step = 0.01", "strain_per_step = 2e-05"));
+    const std::string automatic = replaced(text, "0.01", "\"auto\"");
+    EXPECT_THAT(with_choice(automatic, {Law::bilin, 2e-5}, "scene.toml"), HasSubstr("time_step = \"auto\" # s\n"));
+}
+
+TEST(SceneText, ReachesIntoInlineTables) {
+    const std::string text = "accuracy = { frames = 3, strain_per_step = 1e-5 }\n" + std::string(drawn::one_phase);
+    EXPECT_EQ(with_choice(text, {Law::norton, 0.05}, "scene.toml"),
+              replaced(replaced(text, "strain_per_step = 1e-5", "equilibrium_error = 0.05"), "bilin", "norton"));
+    const std::string without = "accuracy = { frames = 3 }\n" + std::string(drawn::one_phase);
+    EXPECT_THAT(with_choice(without, {Law::bilin, 2e-5}, "scene.toml"),
+                HasSubstr("accuracy = { strain_per_step = 2e-05, frames = 3 }\n"));
+}
+
+TEST(SceneText, RejectsALawThatCannotHoldTheScene) {
+    const std::string tension = replaced(commented, "strain = -0.3", "strain = 0.3");
+    EXPECT_THAT(
+        [&] {
+            with_choice(tension, {Law::bilin, 1e-5}, "scene.toml");
+        },
+        ThrowsMessage<InvalidInput>(HasSubstr("is tension, which law \"bilin\"")));
+    EXPECT_THAT(with_choice(tension, {Law::norton, 0.02}, "scene.toml"), HasSubstr("law = \"norton\""));
+}
+
+TEST(SceneText, IsReadableWhereAnotherLawCanHoldIt) {
+    EXPECT_EQ(readable_scene(replaced(commented, "strain = -0.3", "strain = 0.3"), "scene.toml").steps.at(0).strain,
+              0.3);
+}
+
+TEST(SceneText, TellsWhatIsWrongWithTheUsersOwnText) {
+    EXPECT_THAT([] { readable_scene(replaced(commented, "frames", "farmes"), "scene.toml"); },
+                ThrowsMessage<InvalidInput>(HasSubstr("line 9: unknown key 'farmes'")));
+    EXPECT_THAT(
+        [] {
+            with_choice("[phase", {Law::bilin, 1e-5}, "scene.toml");
+        },
+        ThrowsMessage<InvalidInput>(HasSubstr("scene 'scene.toml' line 1")));
+}
+
+}  // namespace
+}  // namespace tomodem
