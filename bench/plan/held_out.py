@@ -27,13 +27,12 @@ steps = [ {{ strain = {strain}, rate = 1e-3 }} ]
 frames = {frames}
 """
 B = "[phase.b]\nlabel = 2\nlaw = \"norton\"\nnorton = { K = 5020, M = 0.49 }\nobjects = true\n"
-SELF_CONTACT = "[contact]\nself_contact = true\n"
 # phantom, scene, wanted error [%], how much finer the reference is, its equilibrium_error
 CASES = {
     "inclusions": ("phantom_inclusions {image} --size 60 --voxel-size 10um --fraction 0.12 --count 2 --random-seed 3",
                    SCENE.format(a=(100, 0.1), more=B, strain=-0.33, frames=33), 10, 2, 0.02),
     "foam": ("phantom_foam {image} --size 90 --voxel-size 10um --relative-density 0.25 --cells 1 --irregularity 0.5 --random-seed 5",
-             SCENE.format(a=(49.1, 0.0714), more=SELF_CONTACT, strain=-0.31, frames=31), 20, 1.3, 0.005),
+             SCENE.format(a=(49.1, 0.0714), more="", strain=-0.31, frames=31), 20, 1.3, 0.005),
     "pores": ("phantom_pores {image} --size 70 --voxel-size 10um --porosity 0.05 --median-diameter 240um --spread 0.1 --clusters 0 "
               "--random-seed 4", SCENE.format(a=(49.1, 0.0714), more="", strain=-0.21, frames=21), 10, 1.5, 0.02),
 }

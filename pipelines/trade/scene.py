@@ -27,8 +27,6 @@ def main(name):
     for phase, (label, strength, sensitivity) in PHASES[scene].items():
         lines += [f"[phase.{phase}]", f"label = {label}", f'law = "{law}"',
                   f"norton = {{ K = {strength:g}, M = {sensitivity:g} }}"] + ["objects = true"] * (phase == "b")
-    if scene == "foam":
-        lines += ["[contact]", "self_contact = true"]
     steps, accuracy = [(STRAIN[scene], RATE * share)], []
     if share < 1 and law == "norton":
         accuracy = [f"reference_rate = {RATE:g}"]

@@ -53,7 +53,8 @@ std::vector<Quantity> quantities_of(const ImageFeatures& image, const Scene& sce
 
 /// Looks through laws, time steps and resolutions of the table, and what lies between them, for the least CPU time.
 ///
-/// A law is tried if the scene, with it, parses and compiles: BILIN refuses tension, each law has its M.
+/// A law is tried if the scene, with it, parses and compiles: BILIN refuses tension, each law has its M, NORTON does
+/// not go with self-contact.
 /// @throws InvalidInput if no setting keeps within the error: says the least that is in reach and what limits it
 Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const TradeTable& table);
 

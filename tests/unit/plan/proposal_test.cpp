@@ -115,6 +115,16 @@ TEST(Plan, LeavesOutALawThatHasNotTheSensitivity) {
     EXPECT_THAT(plan.not_taken.at(0).second, HasSubstr("M = 0.8 is out of reach of law \"bilin\""));
 }
 
+TEST(Plan, LeavesOutNortonWhereSurfacesMeet) {
+    PlanRequest request;
+    request.error = 0.2;
+    const Plan plan = planned(drawn::balls({12, 12}, 2),
+                              std::string(drawn::two_phases) + "[contact]\nself_contact = true\n", request);
+    ASSERT_EQ(plan.not_taken.size(), 1);
+    EXPECT_EQ(plan.not_taken[0].first, Law::norton);
+    EXPECT_THAT(plan.not_taken[0].second, HasSubstr("self_contact does not work under it"));
+}
+
 TEST(Plan, CountsADecadeOfRates) {
     PlanRequest request;
     request.error = 0.2;
