@@ -20,6 +20,8 @@ outside of the bounds of its size. EXPECTED.toml holds
   reference = 94.3                    # optional: what it should be, and who says so
   source = "K rate^M"
   thesis = "within 10 %"              # optional: what the thesis has
+  like = "flow stress of B"           # optional: run, file, key, column, at, row, scale, unit that are not said are as there
+  packings = 1                        # optional: only the first so many
   small = [80, 110]                   # bounds of the mean for each size; a size without bounds has no such figure
   full = [85, 104]
 """
@@ -32,6 +34,7 @@ import sys
 import tomllib
 
 COLUMNS = ["figure", "mean", "spread", "packings", "unit", "reference", "source", "thesis", "difference", "remark"]
+MEASURE = ["run", "file", "key", "column", "at", "row", "over", "scale", "unit"]
 
 
 def fail(message):
@@ -39,7 +42,13 @@ def fail(message):
 
 
 def wanted(expected, size):
-    return [figure for figure in tomllib.loads(expected.read_text())["figure"] if size in figure]
+    figures = {}
+    for figure in tomllib.loads(expected.read_text())["figure"]:
+        if "like" in figure and figure["like"] not in figures:
+            fail(f"{expected}: '{figure['name']}' is like '{figure['like']}', which does not stand before it")
+        earlier = figures.get(figure.get("like"), {})
+        figures[figure["name"]] = {key: earlier[key] for key in MEASURE if key in earlier} | figure
+    return [figure for figure in figures.values() if size in figure]
 
 
 def places(figure):
@@ -83,7 +92,7 @@ def measured(place, file):
 
 def summary(figure, out, packings):
     values = []
-    for packing in packings:
+    for packing in packings[:figure.get("packings")]:
         first, *others = (measured(place, path(place, out, packing)) for place in places(figure))
         values.append(figure.get("scale", 1) * first / (others[0] if others else 1))
     mean = statistics.fmean(values)
@@ -123,7 +132,7 @@ def main():
     figures = wanted(options.expected, options.size)
     if options.files:
         print(*sorted({str(path(place, options.out, packing)) for figure in figures for place in places(figure)
-                       for packing in options.packings}))
+                       for packing in options.packings[:figure.get("packings")]}))
         return
 
     rows, outside = [], []
