@@ -13,13 +13,16 @@ outside of the bounds of its size. EXPECTED.toml holds
   key = "flow_stress"                 # ... and what of it, as a.b or list.-1.c
   # or file = "pores.csv", column = "volume [mm^3]", and one of
   #    at = 0.3 (of "abs_strain [-]"; between two rows on a straight line), row = -1; with back = true the last time that
-  #    the strain is there, as in tension after compression
+  #    the strain is there, as in tension after compression; or
+  #    falls_below = 0.85 (the strain at which it is first below that share of its highest, behind it)
   over = { run = "bilin_b" }          # optional: the quotient; what is not said is as above
   scale = 1e-6                        # optional: unit over that of the file
   unit = "MPa"
   reference = 94.3                    # optional: what it should be, and who says so
   source = "K rate^M"
   thesis = "within 10 %"              # optional: what the thesis has
+  like = "flow stress of B"           # optional: run, file, key, column, at, row ... that are not said are as there
+  packings = 1                        # optional: only the first so many
   small = [80, 110]                   # bounds of the mean for each size; a size without bounds has no such figure
   full = [85, 104]
 """
@@ -32,6 +35,7 @@ import sys
 import tomllib
 
 COLUMNS = ["figure", "mean", "spread", "packings", "unit", "reference", "source", "thesis", "difference", "remark"]
+MEASURE = ["run", "file", "key", "column", "at", "back", "row", "falls_below", "over", "scale", "unit"]
 
 
 def fail(message):
@@ -39,7 +43,13 @@ def fail(message):
 
 
 def wanted(expected, size):
-    return [figure for figure in tomllib.loads(expected.read_text())["figure"] if size in figure]
+    figures = {}
+    for figure in tomllib.loads(expected.read_text())["figure"]:
+        if "like" in figure and figure["like"] not in figures:
+            fail(f"{expected}: '{figure['name']}' is like '{figure['like']}', which does not stand before it")
+        earlier = figures.get(figure.get("like"), {})
+        figures[figure["name"]] = {key: earlier[key] for key in MEASURE if key in earlier} | figure
+    return [figure for figure in figures.values() if size in figure]
 
 
 def places(figure):
@@ -61,8 +71,16 @@ def from_summary(text, key):
 def from_table(rows, place):
     if "row" in place:
         return float(rows[place["row"]][place["column"]])
-    rows = rows[::-1] if place.get("back") else rows
     strains = [float(row["abs_strain [-]"]) for row in rows]
+    if "falls_below" in place:
+        values = [float(row[place["column"]]) for row in rows]
+        highest = max(values)
+        for strain, value in list(zip(strains, values))[values.index(highest):]:
+            if value < place["falls_below"] * highest:
+                return strain
+        fail(f"'{place['name']}' does not fall below {place['falls_below']} of its highest up to the strain {strains[-1]}")
+    if place.get("back"):
+        rows, strains = rows[::-1], strains[::-1]
     for before, after in zip(range(len(rows)), range(1, len(rows))):
         low, high = strains[before], strains[after]
         if min(low, high) - 1e-9 <= place["at"] <= max(low, high) + 1e-9:
@@ -83,7 +101,7 @@ def measured(place, file):
 
 def summary(figure, out, packings):
     values = []
-    for packing in packings:
+    for packing in packings[:figure.get("packings")]:
         first, *others = (measured(place, path(place, out, packing)) for place in places(figure))
         values.append(figure.get("scale", 1) * first / (others[0] if others else 1))
     mean = statistics.fmean(values)
@@ -123,7 +141,7 @@ def main():
     figures = wanted(options.expected, options.size)
     if options.files:
         print(*sorted({str(path(place, options.out, packing)) for figure in figures for place in places(figure)
-                       for packing in options.packings}))
+                       for packing in options.packings[:figure.get("packings")]}))
         return
 
     rows, outside = [], []

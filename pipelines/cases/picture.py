@@ -8,6 +8,7 @@ Writes OUT/picture.png; --files prints the files that it reads instead. EXPECTED
   [[panel]]
   size = "full"                              # optional: not in the picture of the other size
   title = "before"
+  size = "full"                              # optional: not at the other size
   image = "inclusion_norton-1/before.png"    # in OUT
   [[panel]]
   title = "flow stress"
