@@ -22,7 +22,7 @@ void refuse_runaway(const plugin::Simulation& simulation, double kinetic_energy,
 void refuse_heat(const plugin::Simulation& simulation, double kinetic_energy, const std::string& when);
 
 /// What only a run under load can do.
-/// @throws InvalidInput if planes have passed particles, or seeds overlap deeply
+/// @throws InvalidInput if planes have passed more than a thousandth of the particles, or seeds overlap deeply
 void refuse_collapse(const plugin::Simulation& simulation, double elastic_energy, const Model& model,
                      const std::string& when);
 

@@ -72,9 +72,10 @@ $(OUT)/%/relaxed.h5: $(OUT)/%/sample.h5 $(OUT)/%/scene.toml | $(BIN)/relax
 # What a checkpoint was made from, so that it serves nothing else.
 $(OUT)/%/run.h5 $(OUT)/%/run.json &: $(OUT)/%/relaxed.h5 $(OUT)/%/scene.toml | $(BIN)/solve
 	@sha256sum $^ | cmp -s - $(@D)/run.inputs || rm -f $(addprefix $(@D)/,run.h5 run.h5.partial run.h5.checkpoint run.json)
+	@test -e $(@D)/run.json || rm -f $(@D)/run.h5
 	@sha256sum $^ > $(@D)/run.inputs
-	$(parallel)$(BIN)/solve $^ $(@D)/run.h5 --resume --json $(@D)/run.json --quiet
-	@touch $(@D)/run.h5 $(@D)/run.json
+	@test ! -e $(@D)/run.h5 || touch $(@D)/run.h5 $(@D)/run.json
+	test -e $(@D)/run.h5 || $(parallel)$(BIN)/solve $^ $(@D)/run.h5 --resume --json $(@D)/run.json --quiet
 
 # ---- measures: NAME.csv and NAME.json by the tool of that name, with NAME.options of the case ---------------------------------
 measures := stress_strain volume_change equilibrium pores topology control_numbers

@@ -16,6 +16,7 @@ outside of the bounds of its size. EXPECTED.toml holds
   #    the strain is there, as in tension after compression; or
   #    falls_below = 0.85 (the strain at which it is first below that share of its highest, behind it)
   over = { run = "bilin_b" }          # optional: the quotient; what is not said is as above
+  against = { file = "m.json", key = "density" }   # optional, with over: the exponent with which the figure goes with this one
   scale = 1e-6                        # optional: unit over that of the file
   unit = "MPa"
   reference = 94.3                    # optional: what it should be, and who says so
@@ -29,6 +30,7 @@ outside of the bounds of its size. EXPECTED.toml holds
 import argparse
 import csv
 import json
+import math
 import pathlib
 import statistics
 import sys
@@ -53,8 +55,19 @@ def wanted(expected, size):
 
 
 def places(figure):
-    """The figure's own place and, for a quotient, that of what it is divided by."""
-    return [figure] + ([figure | figure["over"]] if "over" in figure else [])
+    """The figure's own place; for a quotient, that of what it is divided by; for an exponent, both of the other quantity."""
+    found = [figure] + ([figure | figure["over"]] if "over" in figure else [])
+    return found + ([place | figure["against"] for place in found] if "against" in figure else [])
+
+
+def combined(values):
+    match values:
+        case [value]:
+            return value
+        case [value, over]:
+            return value / over
+        case [value, over, against, against_over]:
+            return math.log(value / over) / math.log(against / against_over)
 
 
 def path(place, out, packing):
@@ -102,8 +115,7 @@ def measured(place, file):
 def summary(figure, out, packings):
     values = []
     for packing in packings[:figure.get("packings")]:
-        first, *others = (measured(place, path(place, out, packing)) for place in places(figure))
-        values.append(figure.get("scale", 1) * first / (others[0] if others else 1))
+        values.append(figure.get("scale", 1) * combined([measured(place, path(place, out, packing)) for place in places(figure)]))
     mean = statistics.fmean(values)
     spread = statistics.stdev(values) if len(values) > 1 else None
     row = {"figure": figure["name"], "mean": f"{mean:.4g}", "spread": "" if spread is None else f"{spread:.2g}",

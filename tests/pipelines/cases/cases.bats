@@ -92,6 +92,8 @@ made_up() {
         mkdir -p "out/soft-$packing" "out/hard-$packing"
         echo "{\"flow\": [1, {\"stress\": $((packing + 9))e6}]}" >"out/hard-$packing/m.json"
         echo "{\"flow\": [1, {\"stress\": 2e6}]}" >"out/soft-$packing/m.json"
+        echo '{"density": 4}' >"out/hard-$packing/d.json"
+        echo '{"density": 2}' >"out/soft-$packing/d.json"
         printf 'abs_strain [-],force\n0,0\n0.2,4\n0.4,8\n0.6,1\n' >"out/soft-$packing/c.csv"
     done
     cat >expected.toml <<'END'
@@ -117,6 +119,11 @@ over = { run = "soft" }
 scale = 1
 unit = "-"
 small = [5, 6]
+[[figure]]
+name = "exponent"
+like = "hard over soft"
+against = { file = "d.json", key = "density" }
+small = [2, 3]
 [[figure]]
 name = "force"
 run = "soft"
@@ -149,11 +156,12 @@ END
     grep -q '^stress,10.5,0.71,2,MPa,10,a book,,+5.0%,less than the spread$' out/figures.csv
     grep -q '^of one packing,10,,1,MPa,,,,,$' out/figures.csv
     grep -q '^hard over soft,5.25,0.35,2,-,,,,,$' out/figures.csv
+    grep -q '^exponent,2.391,0.097,2,-,,,,,$' out/figures.csv
     grep -q '^force,6,0,2,-,,,,,$' out/figures.csv
     grep -q '^fall,0.6,0,2,-,0.5,,,+20.0%,$' out/figures.csv
-    [ "$(wc -l <out/figures.csv)" = 6 ]
+    [ "$(wc -l <out/figures.csv)" = 7 ]
     "$figures" expected.toml out small 1 2 --check
-    [ "$("$figures" expected.toml out small 1 2 --files | wc -w)" = 6 ]
+    [ "$("$figures" expected.toml out small 1 2 --files | wc -w)" = 10 ]
 }
 
 @test "a figure outside its bounds fails with its name; one that is not there is said" {
@@ -161,7 +169,7 @@ END
     sed -i 's/small = \[5.9, 6.1\]/small = [6.5, 7]/' expected.toml
     "$figures" expected.toml out small 1 2
     run -1 "$figures" expected.toml out small 1 2 --check
-    [[ $output == *"1 of 5 figures are not as expected.toml expects:"*"force: 6 -, expected 6.5 to 7"* ]]
+    [[ $output == *"1 of 6 figures are not as expected.toml expects:"*"force: 6 -, expected 6.5 to 7"* ]]
     sed -i 's/flow.1.stress/flow.1.strain/' expected.toml
     run -1 "$figures" expected.toml out small 1 2
     [[ $output == *"out/hard-1/m.json does not have the figure 'stress'"* ]]
