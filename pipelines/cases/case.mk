@@ -69,6 +69,10 @@ $(OUT)/bricks/brick_%.h5: | $(BIN)/packgen
 $(OUT)/%/relaxed.h5: $(OUT)/%/sample.h5 $(OUT)/%/scene.toml | $(BIN)/relax
 	$(parallel)$(BIN)/relax $^ $@ --json $(@:.h5=.json) --quiet
 
+# A summary comes with what it is of.
+$(OUT)/%/sample.json: $(OUT)/%/sample.h5 ;
+$(OUT)/%/relaxed.json: $(OUT)/%/relaxed.h5 ;
+
 # What a checkpoint was made from, so that it serves nothing else.
 $(OUT)/%/run.h5 $(OUT)/%/run.json &: $(OUT)/%/relaxed.h5 $(OUT)/%/scene.toml | $(BIN)/solve
 	@sha256sum $^ | cmp -s - $(@D)/run.inputs || rm -f $(addprefix $(@D)/,run.h5 run.h5.partial run.h5.checkpoint run.json)

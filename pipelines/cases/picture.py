@@ -8,7 +8,6 @@ Writes OUT/picture.png; --files prints the files that it reads instead. EXPECTED
   [[panel]]
   size = "full"                              # optional: not in the picture of the other size
   title = "before"
-  size = "full"                              # optional: not at the other size
   image = "inclusion_norton-1/before.png"    # in OUT
   [[panel]]
   title = "flow stress"
@@ -22,6 +21,7 @@ Writes OUT/picture.png; --files prints the files that it reads instead. EXPECTED
   levels = { "K rate^M" = 94.3 }             # optional: horizontal lines
   points = { "finite elements" = [[0.3, 151.3]] }   # optional
   log = "xy"                                 # optional: logarithmic axes
+  packings = 1                               # optional: of the first so many
 and before them, optionally, columns_of_panels = 3
 """
 import argparse
@@ -35,7 +35,7 @@ LARGEST_WIDTH = 1600  # pixels
 def drawn_runs(panel, out, packings):
     """(label, file) of each line."""
     return [(label, out / f"{run}-{packing}" / panel["file"]) for run, label in panel.get("runs", {}).items()
-            for packing in packings]
+            for packing in packings[:panel.get("packings")]]
 
 
 def files(panels, out, packings):
