@@ -216,3 +216,11 @@ END
     run -1 "$CASES/vary.py" scene.toml phase.a.label=one
     [[ $output == *"scene.toml with phase.a.label=one is no TOML"* ]]
 }
+
+@test "docs/cases.md holds the recorded figures of every case" {
+    "$CASES/table.py" | diff "$TOMODEM_SOURCE/docs/cases.md" -
+    for name in single_material two_phases composite casting_pores open_cell_foam; do
+        grep -q "CASE=$name " "$TOMODEM_SOURCE/docs/cases.md"
+        [ "$(wc -l <"$CASES/$name/README.md")" -le 16 ]
+    done
+}
