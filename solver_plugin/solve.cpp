@@ -124,8 +124,10 @@ void run(const Request& request) {
     if (!scene.duration && result.mean_equilibrium_error > large_equilibrium_error)
         cli::note(
             fmt::format("the forces of the two planes differ by {:.0f} %: inertia or too few particles carry the "
-                        "load; take a lower rate, a smaller strain_per_step or more particles",
-                        100 * result.mean_equilibrium_error));
+                        "load; take {} or more particles",
+                        100 * result.mean_equilibrium_error,
+                        scene.phases.front().law == Law::norton ? "a smaller equilibrium_error"
+                                                                : "a lower rate, a smaller strain_per_step"));
     cli::report("processes", static_cast<std::int64_t>(result.cost.processes));
     cli::report("neighbour_builds", result.cost.neighbour_builds);
     if (result.predicted_wall_seconds > 0) cli::report("predicted_wall_seconds", result.predicted_wall_seconds, "s");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -22,21 +23,23 @@ double equivalent_diameter(double volume) {
     return std::cbrt(6 * volume / std::numbers::pi);
 }
 
-/// For each component, whether it reaches a face of the image.
-std::vector<bool> at_faces(const Components& components) {
-    std::vector<bool> found(components.voxels.size() + 1, false);
+/// For each component, its distance from the nearest face of the image; 0: it reaches one [mm].
+std::vector<double> gaps_to_faces(const Components& components, const Vec3& spacing) {
+    std::vector<double> gap(components.voxels.size() + 1, std::numeric_limits<double>::max());
     const VoxelIndex size = components.number.size();
+    const auto to_ends = [&](std::int32_t at, int axis) { return std::min(at, size[axis] - 1 - at) * spacing[axis]; };
     std::vector<std::int32_t> slice;
     for (std::int32_t k = 0; k < size[2]; ++k) {
         components.number.slice(k, slice);
-        const bool whole = k == 0 || k == size[2] - 1;
         for (std::int32_t j = 0; j < size[1]; ++j) {
-            const bool row = whole || j == 0 || j == size[1] - 1;
-            for (std::int32_t i = 0; i < size[0]; i += row ? 1 : std::max(1, size[0] - 1))
-                found[slice[static_cast<std::size_t>(j) * size[0] + i]] = true;
+            const double across = std::min(to_ends(k, 2), to_ends(j, 1));
+            for (std::int32_t i = 0; i < size[0]; ++i) {
+                double& least = gap[slice[static_cast<std::size_t>(j) * size[0] + i]];
+                least = std::min({least, across, to_ends(i, 0)});
+            }
         }
     }
-    return found;
+    return gap;
 }
 
 /// Every solid label becomes 1.
@@ -112,16 +115,17 @@ ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int t
     if (!histogram.contains(0)) return found;
 
     const Components voids = connected_components(volume, {0});
-    const std::vector<bool> open = at_faces(voids);
+    const std::vector<double> gap = gaps_to_faces(voids, volume.spacing());
     std::vector<double> diameters;
     std::int64_t open_voxels = 0;
     for (std::size_t k = 0; k < voids.voxels.size(); ++k) {
-        if (open[k + 1])
+        if (gap[k + 1] == 0) {
             open_voxels += voids.voxels[k];
-        else if (voids.voxels[k] >= least_voxels)
+        } else if (voids.voxels[k] >= least_voxels) {
             diameters.push_back(equivalent_diameter(static_cast<double>(voids.voxels[k]) * voxel_volume));
+            found.pore_gaps.push_back(gap[k + 1]);
+        }
     }
-    found.closed_pores = !diameters.empty();
     add(Feature::Kind::pores, "void", diameters);
     if (static_cast<double>(open_voxels) * voxel_volume > foam_void * found.extent.prod()) {
         auto geometry = measure_image(solid_of(volume), found.extent.minCoeff(), threads);

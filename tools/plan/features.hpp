@@ -26,7 +26,7 @@ struct ImageFeatures {
     Vec3 extent = Vec3::Zero(), origin = Vec3::Zero();  ///< mm
     double voxel = 0;                                   ///< edge along x [mm]
     std::vector<std::int32_t> labels;                   ///< of the solid
-    bool closed_pores = false;                          ///< there are some
+    std::vector<double> pore_gaps;  ///< of each closed pore: its distance from the nearest face of the image [mm]
 };
 
 /// Objects are the connected components (by faces) of the phases that the scene marks `objects = true`, or without any

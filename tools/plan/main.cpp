@@ -144,6 +144,27 @@ void tell(const Proposal& found, const ImageFeatures& image) {
     cli::report("predicted_peak_bytes", static_cast<std::int64_t>(found.bytes), "B");
 }
 
+/// Where the errors of the table, or carve, have their limits.
+void tell_what_it_does_not_hold_for(const Plan& plan, const ImageFeatures& image, const Scene& scene) {
+    const double two_particles = 4 * plan.proposal.seed_radius;
+    const auto near =
+        std::count_if(image.pore_gaps.begin(), image.pore_gaps.end(), [&](double gap) { return gap < two_particles; });
+    if (near > 0)
+        cli::note(
+            fmt::format("{} of {} closed pores come within two particles of a face of the image: carve takes these as "
+                        "open, and leaves them as they are; take a larger part of the image, or finer particles",
+                        near, image.pore_gaps.size()));
+    // Of the scenes of pipelines/trade.
+    constexpr double deepest = 0.36;
+    for (const LoadStep& step : scene.steps)
+        if (step.strain > 0 || step.strain < -deepest || &step != &scene.steps.front()) {
+            cli::note(
+                "the errors are those of samples pressed once to a strain of -0.2 (pores) or -0.3; this load is "
+                "another one");
+            return;
+        }
+}
+
 /// What to type next. Objects, pores: what vol2pack and carve need for them.
 std::vector<std::string> commands(const Request& request, const Proposal& found, const ImageFeatures& image,
                                   const Scene& scene) {
@@ -157,7 +178,7 @@ std::vector<std::string> commands(const Request& request, const Proposal& found,
         if (phase.objects) objects.push_back(phase.label);
     // A dense sample is carved: closed pores keep their volume so. With several phases void has no phase to be filled
     // by.
-    const bool carved = image.closed_pores && image.labels.size() == 1;
+    const bool carved = !image.pore_gaps.empty() && image.labels.size() == 1;
     const std::string filled = fmt::format("{}{}0={}", relabel, relabel.empty() ? "" : ",", image.labels.front());
     constexpr double most_of_a_brick = 20000;
     std::vector<std::string> lines;
@@ -198,6 +219,7 @@ void run(const Request& given) {
     parse_scene(plan.proposal.scene, request.proposed.string());
 
     tell(plan.proposal, image);
+    tell_what_it_does_not_hold_for(plan, image, scene);
     for (const auto& [law, why] : plan.not_taken) cli::note(fmt::format("not law \"{}\": {}", name_of(law), why));
     for (const Proposal& other : plan.other_laws)
         cli::note(fmt::format("law \"{}\" would take {:.0f} particles and {:.3g} s", name_of(other.choice.law),

@@ -50,6 +50,15 @@ stop_in_the_middle() {
     [ ! -e out ]
 }
 
+@test "the full variant of every case can be made from nothing" {
+    [ -d "${TOMODEM_SHARED:-$TOMODEM_SOURCE/../shared}/data" ] || skip "the real tomographies are not there (TOMODEM_SHARED)"
+    for folder in "$CASES"/*/; do
+        run -0 a_case "$(basename "$folder")" -n SIZE=full check picture
+        [[ $output == *"/solve "* ]]
+    done
+    [ ! -e out ]
+}
+
 @test "a second make makes nothing, and what is named alone is made alone" {
     a_case two_phases -s "out/$RUN/sample.h5"
     [ ! -e "out/$RUN/relaxed.h5" ]

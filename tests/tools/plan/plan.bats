@@ -109,6 +109,19 @@ open("grey.raw", "wb").write(np.where(x*x + y*y + z*z < 12**2, 200, 100).astype(
     [ ! -e proposed.toml ]
 }
 
+@test "pores that carve takes as open, and loads that the table was not measured under, are told" {
+    phantom_pores pores.tif --size 60 --voxel-size 10um --porosity 0.04 --median-diameter 250um --spread 0 --clusters 0 --gap 3 --quiet
+    printf '[phase.a]\nlabel = 1\nlaw = "norton"\nnorton = { K = 50, M = 0.1 }\n[load]\nsteps = [ { strain = -0.2, rate = 1e-3 } ]\n' > s.toml
+    run -0 plan pores.tif --scene s.toml --error 20%
+    [[ $output != *"this load is another one"* ]]
+    sed -i 's/strain = -0.2/strain = 0.3/' s.toml
+    run -0 plan pores.tif --scene s.toml --error 20%
+    [[ $output == *"the errors are those of samples pressed once"*"this load is another one"* ]]
+    phantom_pores near.tif --size 32 --voxel-size 10um --porosity 0.2 --median-diameter 230um --spread 0 --clusters 0 --gap 2 --quiet
+    run -0 plan near.tif --scene s.toml --error 20%
+    [[ $output == *"1 of 1 closed pores come within two particles of a face"* ]]
+}
+
 @test "tension leaves BILIN out" {
     sed -i 's/-0.05/0.05/' scene.toml
     run -0 --separate-stderr plan "$image" proposed.toml --scene scene.toml --error 20%
