@@ -79,3 +79,19 @@ END
     ! grep -q '^step = .*0.2' sweep/trade.toml
     grep -q 'not proposed: single, BILIN, size 300, step 0.2' sweep/trade.md
 }
+
+@test "a run that is stopped is not one that does not survive, and goes on" {
+    target=stopped/runs/single_bilin_300_1e-6_1_level-set_1.h5
+    trade OUT=stopped bilin.steps=1e-6 "$target" 3>&- 2>err.txt &
+    for _ in $(seq 200); do [ -e "$target.partial" ] && break; sleep 0.1; done
+    sleep 0.5
+    pkill -TERM -f "^[^ ]*/solve .*$target"
+    code=0
+    wait $! || code=$?
+    [ "$code" != 0 ]
+    grep -q 'stopped by SIGTERM' err.txt
+    [ ! -e "$target" ]
+    [ -e "$target.checkpoint" ]
+    trade OUT=stopped bilin.steps=1e-6 "$target"
+    [ -s "$target" ]
+}
