@@ -73,7 +73,8 @@ TEST(TradeTable, RejectsWhatIsWrongWithItsLine) {
     };
     rejected("[4, 16]", "[16, 4]", "table 'table.toml' line 8: resolution in [trade.bilin.shape_factor] must rise");
     rejected("[0.2, 0.1]", "[0.2]", "line 9: bias in [trade.bilin.shape_factor] must be a list of 2 numbers");
-    rejected("[0.02, 0.01]", "[0.02, -0.01]", "line 10: spread in [trade.bilin.shape_factor] must not be below 0");
+    rejected("[0.02, 0.01]", "[0.02, -0.01]",
+             "line 10: spread in [trade.bilin.shape_factor] must be a number of at least 0");
     rejected("density", "densty", "[trade.bilin] has no 'density'");
     rejected("particle_step = 4e-8", "particle_step = 0",
              "particle_step in [trade.bilin.shape_factor] must be above 0");
