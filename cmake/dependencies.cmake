@@ -1,6 +1,7 @@
 # Every library is a Debian package named in packages/debian.txt; heavy ones are linked only where they are used.
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)
@@ -19,5 +20,4 @@ pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-openmpi)
 
 find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h REQUIRED)
 find_library(OPENVDB_LIBRARY openvdb REQUIRED)
-find_package(TBB REQUIRED)
 find_package(Imath CONFIG REQUIRED)

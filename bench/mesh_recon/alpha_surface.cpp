@@ -20,8 +20,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/packing_file.hpp"
-#include "tools/mesh_recon/alpha_surface.hpp"
+#include "core/packing/packing_file.hpp"
+#include "core/surface/alpha_surface.hpp"
 
 using namespace tomodem;
 

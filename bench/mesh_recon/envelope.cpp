@@ -12,8 +12,8 @@
 #include <random>
 #include <string>
 
-#include "core/packing_file.hpp"
-#include "tools/mesh_recon/alpha_surface.hpp"
+#include "core/packing/packing_file.hpp"
+#include "core/surface/alpha_surface.hpp"
 
 using namespace tomodem;
 

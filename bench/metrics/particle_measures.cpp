@@ -17,10 +17,10 @@
 #include <thread>
 #include <vector>
 
-#include "core/structure.hpp"
-#include "tools/metrics/control.hpp"
-#include "tools/metrics/local_strain_fit.hpp"
-#include "tools/metrics/space_average.hpp"
+#include "core/packing/structure.hpp"
+#include "tools/metrics/fields/control.hpp"
+#include "tools/metrics/fields/local_strain_fit.hpp"
+#include "tools/metrics/fields/space_average.hpp"
 
 using namespace tomodem;
 

@@ -12,8 +12,8 @@
 #include <numbers>
 #include <random>
 
-#include "core/cli.hpp"
-#include "core/packing_file.hpp"
+#include "core/cli/cli.hpp"
+#include "core/packing/packing_file.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
 
 namespace {

@@ -6,8 +6,8 @@
 
 #include <chrono>
 
-#include "core/cli.hpp"
-#include "core/volume.hpp"
+#include "core/cli/cli.hpp"
+#include "core/volume/volume.hpp"
 
 int main(int argc, char** argv) {
     using namespace tomodem;

@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/error.hpp"
-#include "core/volume_source.hpp"
+#include "core/base/error.hpp"
+#include "core/volume/volume_source.hpp"
 
 namespace fs = std::filesystem;
 

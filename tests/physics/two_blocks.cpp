@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "core/scene.hpp"
-#include "solver_plugin/simulation.hpp"
+#include "core/scene/scene.hpp"
+#include "solver_plugin/simulation/simulation.hpp"
 #include "tools/packgen/compaction.hpp"
 
 namespace {

@@ -9,11 +9,11 @@
 #include <map>
 #include <tuple>
 
-#include "core/error.hpp"
-#include "core/model.hpp"
-#include "core/packing_file.hpp"
-#include "tools/metrics/norton_regression.hpp"
-#include "tools/metrics/strain_curves.hpp"
+#include "core/base/error.hpp"
+#include "core/packing/packing_file.hpp"
+#include "core/scene/model.hpp"
+#include "tools/metrics/curves/norton_regression.hpp"
+#include "tools/metrics/curves/strain_curves.hpp"
 
 namespace tomodem {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "core/calibration.hpp"
-#include "core/scene.hpp"
+#include "core/scene/calibration.hpp"
+#include "core/scene/scene.hpp"
 
 /// From runs of one material to the table that turns norton = { K, M } into constants (docs/calibration.md).
 namespace tomodem {

@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
-#include "core/cli.hpp"
-#include "core/output_file.hpp"
+#include "core/base/output_file.hpp"
+#include "core/base/table.hpp"
+#include "core/cli/cli.hpp"
 #include "tools/calibrate/calibration_fit.hpp"
-#include "tools/metrics/table.hpp"
 
 namespace {
 using namespace tomodem;
@@ -67,21 +68,21 @@ std::vector<Compared> beside_the_shipped(const Calibration& table) {
     return rows;
 }
 
-void tell(const CalibrationWindow& window, const std::string& law) {
-    cli::report(law + "_packings", static_cast<std::int64_t>(window.packings));
-    cli::report(law + "_strain_from", window.strain[0]);
-    cli::report(law + "_strain_to", window.strain[1]);
-    if (window.strain_tension) cli::report(law + "_strain_to_tension", (*window.strain_tension)[1]);
+void tell(const CalibrationWindow& window, const std::string& law, cli::Tool& tool) {
+    tool.report(law + "_packings", static_cast<std::int64_t>(window.packings));
+    tool.report(law + "_strain_from", window.strain[0]);
+    tool.report(law + "_strain_to", window.strain[1]);
+    if (window.strain_tension) tool.report(law + "_strain_to_tension", (*window.strain_tension)[1]);
     if (window.packings < 2)
-        cli::note(fmt::format("law \"{}\": one packing has no spread, so the errors of the table are too small", law));
+        tool.note(fmt::format("law \"{}\": one packing has no spread, so the errors of the table are too small", law));
 }
 
-void tell(const DirectedErrors& error, const std::string& law) {
-    if (error.compression) cli::report(law + "_error_compression", 100 * *error.compression, "%");
-    if (error.tension) cli::report(law + "_error_tension", 100 * *error.tension, "%");
+void tell(const DirectedErrors& error, const std::string& law, cli::Tool& tool) {
+    if (error.compression) tool.report(law + "_error_compression", 100 * *error.compression, "%");
+    if (error.tension) tool.report(law + "_error_tension", 100 * *error.tension, "%");
 }
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     std::vector<MeasuredRun> runs;
     for (const auto& path : request.runs) runs.push_back(measure_run(path, request.options.where));
     FitOptions options = request.options;
@@ -97,29 +98,29 @@ void run(const Request& request) {
             fmt::format("{} than the {}", std::abs(one.difference()) < one.both() ? "smaller" : "larger", one.measure);
         rows.add(
             {one.law, one.control, one.flow, one.spread, one.shipped, one.shipped_spread, one.difference(), verdict});
-        cli::report(fmt::format("{}_{:g}", one.law, one.control),
+        tool.report(fmt::format("{}_{:g}", one.law, one.control),
                     fmt::format("{:.4g} +- {:.1f} %, shipped {:.4g}: {:+.1f} %, {} ({:.1f} %)", one.flow,
                                 100 * one.spread, one.shipped, 100 * one.difference(), verdict, 100 * one.both()));
     }
     if (!request.curve.empty()) rows.write(request.curve);
     write_text(request.table, text);
 
-    cli::report("runs", static_cast<std::int64_t>(runs.size()));
+    tool.report("runs", static_cast<std::int64_t>(runs.size()));
     if (table.bilin) {
-        tell(*table.bilin, "bilin");
-        cli::report("bilin_time_step_error",
+        tell(*table.bilin, "bilin", tool);
+        tool.report("bilin_time_step_error",
                     100 * *std::max_element(table.bilin->time_step_error.begin(), table.bilin->time_step_error.end()),
                     "%");
     }
     if (table.trilin) {
-        tell(*table.trilin, "trilin");
-        tell(table.trilin->error, "trilin");
+        tell(*table.trilin, "trilin", tool);
+        tell(table.trilin->error, "trilin", tool);
     }
     if (table.norton) {
-        tell(*table.norton, "norton");
-        tell(table.norton->error, "norton");
+        tell(*table.norton, "norton", tool);
+        tell(table.norton->error, "norton", tool);
     }
-    cli::report_json("rows", rows.json());
+    tool.report_json("rows", rows.json());
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // export_packing: a packing or run as files that OVITO (LAMMPS dump) and ParaView (VTP) open.
-#include "core/cli.hpp"
-#include "core/packing_file.hpp"
-#include "tools/export/export_frames.hpp"
+#include "core/cli/cli.hpp"
+#include "core/mesh/export_frames.hpp"
+#include "core/packing/packing_file.hpp"
 
 namespace {
 using namespace tomodem;
@@ -22,22 +22,22 @@ cli::Usage usage(Request& request) {
         .example("export_packing --frames last run.h5 deformed.vtp");
 }
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     const auto extension = request.output.extension();
     if (extension != ".dump" && extension != ".vtp" && extension != ".pvd")
         throw WrongUsage("output '" + request.output.string() + "': the name must end in .dump, .vtp or .pvd");
     const RunReader run(request.input);
     const auto frames = chosen_frames(request.frames, run.frame_count());
 
-    cli::Progress progress("frames", static_cast<double>(frames.size()));
-    const auto done = [&](std::size_t count) { progress.update(static_cast<double>(count)); };
+    const auto progress = tool.progress("frames", static_cast<double>(frames.size()));
+    const auto done = [&](std::size_t count) { progress->update(static_cast<double>(count)); };
     if (extension == ".dump")
         export_dump(run, frames, request.output, done);
     else
         export_vtp(run, frames, request.output, done);
 
-    cli::report("frames", static_cast<std::int64_t>(frames.size()));
-    cli::report("particles", static_cast<std::int64_t>(run.packing().size()));
+    tool.report("frames", static_cast<std::int64_t>(frames.size()));
+    tool.report("particles", static_cast<std::int64_t>(run.packing().size()));
 }
 }  // namespace
 

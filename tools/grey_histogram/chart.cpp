@@ -20,8 +20,8 @@
 
 #include <algorithm>
 
-#include "core/error.hpp"
-#include "core/output_file.hpp"
+#include "core/base/error.hpp"
+#include "core/base/output_file.hpp"
 #include "tools/render/offscreen_window.hpp"
 
 namespace tomodem {
@@ -59,7 +59,7 @@ void name_axis(vtkAxis* axis, const char* title) {
 }  // namespace
 
 void draw_histogram(const GreyHistogram& histogram, const std::vector<double>& thresholds,
-                    const std::filesystem::path& picture) {
+                    const std::filesystem::path& picture, int threads) {
     // Empty bins at both ends are left out; many bins are drawn as a few, by their sums.
     std::size_t first = 0, end = histogram.counts.size();
     while (first < end && histogram.counts[first] == 0) ++first;
@@ -79,7 +79,7 @@ void draw_histogram(const GreyHistogram& histogram, const std::vector<double>& t
     }
 
     vtkNew<vtkContextView> view;
-    const auto window = offscreen_window(1000, 650);
+    const auto window = offscreen_window(1000, 650, threads);
     view->SetRenderWindow(window);
     view->GetRenderer()->SetBackground(1, 1, 1);
     vtkNew<vtkChartXY> chart;

@@ -3,10 +3,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
-#include "core/cli.hpp"
-#include "core/grey_histogram.hpp"
-#include "core/volume_cli.hpp"
+#include "core/cli/cli.hpp"
+#include "core/cli/volume_cli.hpp"
+#include "core/volume/grey_histogram.hpp"
 #include "tools/grey_histogram/chart.hpp"
 
 namespace {
@@ -27,13 +28,15 @@ cli::Usage usage(Request& request) {
     return usage;
 }
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     VolumeOptions options = volume_options(request.volume);
-    const GreyHistogram histogram = read_grey_histogram(request.volume.path, options);
+    const GreyImage image = read_grey_histogram(request.volume.path, options, tool.threads(), tool);
+    const GreyHistogram& histogram = image.histogram;
+    tool.report("image", image.description);
     if (options.thresholds.empty()) options.thresholds = otsu_thresholds(histogram, std::max(1, options.otsu_levels));
 
-    cli::report("voxels", histogram.voxels());
-    if (histogram.not_a_number > 0) cli::report("not_a_number", histogram.not_a_number);
+    tool.report("voxels", histogram.voxels());
+    if (histogram.not_a_number > 0) tool.report("not_a_number", histogram.not_a_number);
     std::vector<std::int64_t> classes(options.thresholds.size() + 1);
     for (std::size_t bin = 0; bin < histogram.counts.size(); ++bin) {
         std::size_t label = 0;
@@ -41,14 +44,14 @@ void run(const Request& request) {
         classes[label] += histogram.counts[bin];
     }
     for (std::size_t i = 0; i < options.thresholds.size(); ++i)
-        cli::report(fmt::format("threshold_{}", i + 1), options.thresholds[i]);
+        tool.report(fmt::format("threshold_{}", i + 1), options.thresholds[i]);
     for (std::size_t i = 0; i < classes.size(); ++i)
-        cli::report(fmt::format("fraction_label_{}", i),
+        tool.report(fmt::format("fraction_label_{}", i),
                     100.0 * static_cast<double>(classes[i]) / static_cast<double>(histogram.voxels()), "%");
-    cli::report_json("counts", fmt::format("[{}]", fmt::join(histogram.counts, ", ")));
-    cli::report("first_bin", histogram.low);
-    cli::report("bin_width", histogram.width);
-    draw_histogram(histogram, options.thresholds, request.picture);
+    tool.report_json("counts", histogram.counts);
+    tool.report("first_bin", histogram.low);
+    tool.report("bin_width", histogram.width);
+    draw_histogram(histogram, options.thresholds, request.picture, tool.threads());
 }
 }  // namespace
 

@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/cli.hpp"
-#include "core/mesh.hpp"
-#include "core/packing_file.hpp"
-#include "core/volume_parallel.hpp"
-#include "core/vtp_file.hpp"
-#include "tools/mesh_recon/reconstruction.hpp"
-#include "tools/metrics/table.hpp"
+#include "core/base/parallel.hpp"
+#include "core/base/table.hpp"
+#include "core/cli/cli.hpp"
+#include "core/mesh/mesh.hpp"
+#include "core/mesh/vtp_file.hpp"
+#include "core/packing/packing_file.hpp"
+#include "core/surface/reconstruction.hpp"
 
 namespace {
 using namespace tomodem;
@@ -54,6 +54,7 @@ cli::Usage usage(Request& request) {
         .exclusive({"--species", "--object", "--each-object"})
         .exclusive({"--pores", "--each-object"})
         .exclusive({"--frame", "--frames"})
+        .threads()
         .example("mesh_recon run.h5 inclusions.stl --species 2")
         .example("mesh_recon run.h5 pores.pvd --pores --frames all --bodies pores.csv");
 }
@@ -116,7 +117,7 @@ void write(const Reconstruction& result, const fs::path& path) {
     write_mesh(result.mesh, path, {body, object});
 }
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     const RunReader reader(request.packing);
     std::vector<std::size_t> frames;
     const auto last = std::int64_t(reader.frame_count()) - 1;
@@ -133,24 +134,24 @@ void run(const Request& request) {
 
     const Packing& packing = reader.packing();
     ReconstructionOptions options;
-    if (cli::given("--species")) options.selection.species = request.species;
-    if (cli::given("--object")) options.selection.object = request.object;
+    if (tool.given("--species")) options.selection.species = request.species;
+    if (tool.given("--object")) options.selection.object = request.object;
     options.bodies = request.pores ? Bodies::pores : request.each_object ? Bodies::objects : Bodies::parts;
     options.envelope = request.correct_envelope ? Envelope::corrected : Envelope::centres;
-    if (cli::given("--lid-radius")) {
+    if (tool.given("--lid-radius")) {
         if (!request.pores) throw WrongUsage("--lid-radius goes with --pores only");
         options.lid_radius = request.lid_radius;
     }
     options.probe_radius =
-        cli::given("--probe-radius") ? request.probe_radius : default_probe_radius(packing.seed_radius);
+        tool.given("--probe-radius") ? request.probe_radius : default_probe_radius(packing.seed_radius);
 
-    cli::Progress progress("alpha shape", double(frames.size()));
-    if (frames.size() == 1) options.progress = [&](double done) { progress.update(done); };
+    const auto progress = tool.progress("alpha shape", double(frames.size()));
+    if (frames.size() == 1) options.progress = [&](double done) { progress->update(done); };
     std::vector<Reconstruction> results(frames.size());
     Series series;
     std::vector<std::pair<double, fs::path>> at_time(frames.size());
     std::size_t done = 0;
-    parallel_for(std::int64_t(frames.size()), cli::threads(), [&](std::int64_t k) {
+    parallel_for(std::int64_t(frames.size()), tool.threads(), [&](std::int64_t k) {
         Packing moved = packing;
         moved.position = reader.frame(frames[k]).position;
         Reconstruction& result = results[k];
@@ -169,35 +170,35 @@ void run(const Request& request) {
         at_time[k] = {reader.frame_time(frames[k]), path};
         const std::scoped_lock lock(series.mutex);
         series.written.push_back(path);
-        progress.update(double(++done));
+        progress->update(double(++done));
     });
     if (!all)
         write(results.front(), request.mesh);
     else if (collection || request.mesh.extension() == ".vtp")
         write_pvd(fs::path(request.mesh).replace_extension(".pvd"), at_time);
-    if (cli::given("--bodies")) table_of(reader, frames, results, request.pores).write(request.table);
+    if (tool.given("--bodies")) table_of(reader, frames, results, request.pores).write(request.table);
     series.written.clear();
 
     const Reconstruction& shown = results.back();
     if (options.probe_radius > 10 * default_probe_radius(packing.seed_radius))
-        cli::warn(fmt::format("a probe of {:g} mm is more than ten particle diameters: little but the hull is left",
+        tool.warn(fmt::format("a probe of {:g} mm is more than ten particle diameters: little but the hull is left",
                               options.probe_radius));
-    if (request.pores && shown.rows.empty()) cli::warn("there is no pore: the mesh is empty");
+    if (request.pores && shown.rows.empty()) tool.warn("there is no pore: the mesh is empty");
     if (shown.objects_left_out > 0)
-        cli::warn(
+        tool.warn(
             fmt::format("{} objects enclose no volume at this probe radius and are left out", shown.objects_left_out));
-    if (all) cli::report("frames", std::int64_t(frames.size()));
-    cli::report("particles", shown.particles);
-    cli::report("probe_radius", options.probe_radius, "mm");
-    cli::report("volume", shown.volume(), "mm^3");
-    if (!std::isnan(shown.corrected_volume())) cli::report("volume_corrected", shown.corrected_volume(), "mm^3");
-    cli::report("area", shown.area(), "mm^2");
-    cli::report("components", std::int64_t(shown.rows.size()));
-    cli::report("largest_component_volume", shown.largest(), "mm^3");
-    cli::report("shells", shown.shells());
-    cli::report("genus", shown.genus());
-    cli::report("triangles", std::int64_t(shown.body_of_triangle.size()));
-    cli::report_json("bodies", json_of(frames, results, request.pores));
+    if (all) tool.report("frames", std::int64_t(frames.size()));
+    tool.report("particles", shown.particles);
+    tool.report("probe_radius", options.probe_radius, "mm");
+    tool.report("volume", shown.volume(), "mm^3");
+    if (!std::isnan(shown.corrected_volume())) tool.report("volume_corrected", shown.corrected_volume(), "mm^3");
+    tool.report("area", shown.area(), "mm^2");
+    tool.report("components", std::int64_t(shown.rows.size()));
+    tool.report("largest_component_volume", shown.largest(), "mm^3");
+    tool.report("shells", shown.shells());
+    tool.report("genus", shown.genus());
+    tool.report("triangles", std::int64_t(shown.body_of_triangle.size()));
+    tool.report_json("bodies", nlohmann::ordered_json::parse(json_of(frames, results, request.pores)));
 }
 }  // namespace
 

@@ -10,15 +10,15 @@
 #include <utility>
 #include <vector>
 
-#include "core/cli.hpp"
+#include "core/base/parallel.hpp"
+#include "core/base/table.hpp"
+#include "core/cli/cli.hpp"
 #include "core/law/self_contact.hpp"
-#include "core/packing_file.hpp"
-#include "core/volume_parallel.hpp"
-#include "tools/export/export_frames.hpp"
-#include "tools/mesh_recon/pore_search.hpp"
-#include "tools/mesh_recon/reconstruction.hpp"
-#include "tools/metrics/strain_curves.hpp"
-#include "tools/metrics/table.hpp"
+#include "core/mesh/export_frames.hpp"
+#include "core/packing/packing_file.hpp"
+#include "core/surface/pore_search.hpp"
+#include "core/surface/reconstruction.hpp"
+#include "tools/metrics/curves/strain_curves.hpp"
 
 namespace {
 using namespace tomodem;
@@ -56,6 +56,7 @@ cli::Usage usage(Request& request) {
         .option("--least-outward", request.least_outward, cli::Unit::length, cli::positive,
                 "outward-vectors: N_mag; 4.6 seed radii where not given")
         .exclusive({"--closed-only", "--lid-radius"})
+        .threads()
         .example("pores run.h5 pores.csv --each each_pore.csv")
         .example("pores run.h5 two_probes.csv --method two-probes --closed-frame 12");
 }
@@ -88,7 +89,8 @@ void check_probe(double probe_radius, double seed_radius) {
                         probe_radius, diameters, 0.9 * default_probe_radius(seed_radius)));
 }
 
-Measure measure(const Request& request, const RunReader& reader, std::size_t index, double probe_radius) {
+Measure measure(const Request& request, const RunReader& reader, std::size_t index, double probe_radius,
+                cli::Tool& tool) {
     const Packing& packing = reader.packing();
     const Frame frame = reader.frame(index);
     const std::vector<Vec3>& centres = frame.position;
@@ -96,16 +98,16 @@ Measure measure(const Request& request, const RunReader& reader, std::size_t ind
     Measure result;
     if (request.method == "two-probes") {
         result.difference = probe_difference(
-            centres, probe_radius, cli::given("--lid-radius") ? request.lid_radius : 10.0 * packing.seed_radius);
+            centres, probe_radius, tool.given("--lid-radius") ? request.lid_radius : 10.0 * packing.seed_radius);
         return result;
     }
     PoreSearch search{.probe_radius = probe_radius, .seed_radius = packing.seed_radius};
     if (!request.closed_only)
-        search.lid_radius = cli::given("--lid-radius") ? request.lid_radius : default_lid_radius(centres);
+        search.lid_radius = tool.given("--lid-radius") ? request.lid_radius : default_lid_radius(centres);
     if (request.method == "lids") {
         result.pores = find_pores(centres, search);
     } else {
-        const double least = cli::given("--least-outward") ? request.least_outward
+        const double least = tool.given("--least-outward") ? request.least_outward
                                                            : law::SelfContact::outward_over_seed * packing.seed_radius;
         const double reach = law::SelfContact::crown_over_seed * packing.seed_radius;
         result.pores = pores_by_outward_vectors(centres, outward_vectors(centres, reach), least, search);
@@ -114,15 +116,15 @@ Measure measure(const Request& request, const RunReader& reader, std::size_t ind
     return result;
 }
 
-void check(const Request& request) {
+void check(const Request& request, cli::Tool& tool) {
     const auto only_with = [&](const char* flag, const char* method) {
-        if (cli::given(flag) && request.method != method)
+        if (tool.given(flag) && request.method != method)
             throw WrongUsage(fmt::format("{} goes with --method {} only", flag, method));
     };
     only_with("--closed-frame", "two-probes");
     only_with("--least-outward", "outward-vectors");
     only_with("--closed-only", "lids");
-    if (request.method == "two-probes" && cli::given("--each"))
+    if (request.method == "two-probes" && tool.given("--each"))
         throw WrongUsage("--each: two-probes gives one volume for all pores; take another --method");
 }
 
@@ -133,36 +135,36 @@ std::size_t checked_frame(std::int64_t frame, const RunReader& reader) {
     return std::size_t(frame);
 }
 
-void run(const Request& request) {
-    check(request);
+void run(const Request& request, cli::Tool& tool) {
+    check(request, tool);
     const RunReader reader(request.run);
     const double seed_radius = reader.packing().seed_radius;
     const bool two_probes = request.method == "two-probes";
-    const double probe_radius = cli::given("--probe-radius") ? request.probe_radius
+    const double probe_radius = tool.given("--probe-radius") ? request.probe_radius
                                 : two_probes                 ? 1.8 * seed_radius
                                 : request.method == "lids"   ? default_probe_radius(seed_radius)
                                                              : 2.0 * default_probe_radius(seed_radius);
     check_probe(probe_radius, seed_radius);
     std::optional<std::size_t> closed;
-    if (cli::given("--closed-frame")) closed = checked_frame(request.closed_frame, reader);
+    if (tool.given("--closed-frame")) closed = checked_frame(request.closed_frame, reader);
 
     const std::vector<std::size_t> frames = chosen_frames(request.frames, reader.frame_count());
     const std::size_t count = frames.size();
-    cli::Progress progress("frames", double(count));
+    const auto progress = tool.progress("frames", double(count));
     std::vector<Measure> measures(count);
     std::mutex mutex;
     std::size_t done = 0;
-    parallel_for(std::int64_t(count), cli::threads(), [&](std::int64_t k) {
+    parallel_for(std::int64_t(count), tool.threads(), [&](std::int64_t k) {
         const std::size_t frame = frames[std::size_t(k)];
         try {
-            measures[k] = measure(request, reader, frame, probe_radius);
+            measures[k] = measure(request, reader, frame, probe_radius, tool);
         } catch (const InvalidInput& error) {
             throw InvalidInput(fmt::format("frame {}: {}", frame, error.what()));
         }
         const std::scoped_lock lock(mutex);
-        progress.update(double(++done));
+        progress->update(double(++done));
     });
-    const double reference = closed ? measure(request, reader, *closed, probe_radius).difference : 0.0;
+    const double reference = closed ? measure(request, reader, *closed, probe_radius, tool).difference : 0.0;
 
     Table table({"frame [-]", "time [s]", "strain [-]", "abs_strain [-]", "pores [-]", "open_pores [-]",
                  "volume [mm^3]", "volume_corrected [mm^3]", "porosity [-]", "mouth_area [mm^2]", "largest [mm^3]",
@@ -205,32 +207,32 @@ void run(const Request& request) {
         }
     }
     table.write(request.table);
-    if (cli::given("--each")) each.write(request.each);
+    if (tool.given("--each")) each.write(request.each);
 
-    cli::report("frames", std::int64_t(count));
-    cli::report("probe_radius", probe_radius, "mm");
+    tool.report("frames", std::int64_t(count));
+    tool.report("probe_radius", probe_radius, "mm");
     for (const bool last : {false, true}) {
         if (!last && count == 1) continue;
         const nlohmann::ordered_json& row = last ? rows.back() : rows.front();
         const std::string suffix = count == 1 ? "" : last ? "_last" : "_first";
         if (!two_probes) {
-            cli::report("pores" + suffix, row["pores"].get<std::int64_t>());
-            cli::report("open_pores" + suffix, row["open_pores"].get<std::int64_t>());
+            tool.report("pores" + suffix, row["pores"].get<std::int64_t>());
+            tool.report("open_pores" + suffix, row["open_pores"].get<std::int64_t>());
         }
-        cli::report("volume" + suffix, row["volume"].get<double>(), "mm^3");
+        tool.report("volume" + suffix, row["volume"].get<double>(), "mm^3");
         if (const double corrected = row["volume_corrected"].get<double>(); !std::isnan(corrected))
-            cli::report("volume_corrected" + suffix, corrected, "mm^3");
+            tool.report("volume_corrected" + suffix, corrected, "mm^3");
         if (const double porosity = row["porosity"].get<double>(); !std::isnan(porosity))
-            cli::report("porosity" + suffix, porosity);
+            tool.report("porosity" + suffix, porosity);
     }
-    cli::report_json("frame_rows", rows.dump());
+    tool.report_json("frame_rows", rows);
     if (request.method == "lids" && std::abs(probe_radius / default_probe_radius(seed_radius) - 1.0) > 0.05)
-        cli::warn(
+        tool.warn(
             "the corrected volumes and the porosity are calibrated for a probe of one particle diameter; a smaller one "
             "may "
             "take gaps for pores");
     if (two_probes && !closed)
-        cli::warn("the roughness of the outside is in the volume of two-probes; give --closed-frame to take it off");
+        tool.warn("the roughness of the outside is in the volume of two-probes; give --closed-frame to take it off");
 }
 }  // namespace
 

@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-#include "core/structure.hpp"
+#include "core/packing/structure.hpp"
 
 namespace tomodem {
 namespace {

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "tools/mesh_recon/alpha_surface.hpp"
+#include "core/surface/alpha_surface.hpp"
 
 /// Parts, handles and pores of the alpha shape through the frames of a run, and what happens to them.
 namespace tomodem {

@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/cli.hpp"
-#include "core/packing_file.hpp"
-#include "core/volume_parallel.hpp"
-#include "tools/mesh_recon/reconstruction.hpp"
-#include "tools/mesh_recon/selection.hpp"
+#include "core/base/parallel.hpp"
+#include "core/base/table.hpp"
+#include "core/cli/cli.hpp"
+#include "core/packing/packing_file.hpp"
+#include "core/surface/reconstruction.hpp"
+#include "core/surface/selection.hpp"
 #include "tools/mesh_recon/topology.hpp"
-#include "tools/metrics/table.hpp"
 
 namespace {
 using namespace tomodem;
@@ -42,6 +42,7 @@ cli::Usage usage(Request& request) {
                 "smaller parts are counted but not followed")
         .option("--least-pore", request.least_pore, cli::Unit::none, cli::not_negative,
                 "pores of less than this many particles' volume are counted but not followed")
+        .threads()
         .example("topology run.h5 topology.csv --events events.csv");
 }
 
@@ -72,25 +73,25 @@ std::string numbers(const std::vector<std::int32_t>& list) {
     return text;
 }
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     const RunReader reader(request.run);
     const Packing& packing = reader.packing();
     const std::size_t frames = reader.frame_count();
     Selection selection;
-    if (cli::given("--species")) selection.species = request.species;
+    if (tool.given("--species")) selection.species = request.species;
     const double probe_radius =
-        cli::given("--probe-radius") ? request.probe_radius : default_probe_radius(packing.seed_radius);
+        tool.given("--probe-radius") ? request.probe_radius : default_probe_radius(packing.seed_radius);
     const auto centres_at = [&](std::size_t frame) {
         Packing moved = packing;
         moved.position = reader.frame(frame).position;
         return selected_centres(moved, selection);
     };
 
-    cli::Progress progress("alpha shapes", double(frames));
+    const auto progress = tool.progress("alpha shapes", double(frames));
     std::vector<FrameTopology> topology(frames);
     std::mutex mutex;
     std::size_t done = 0;
-    parallel_for(std::int64_t(frames), cli::threads(), [&](std::int64_t frame) {
+    parallel_for(std::int64_t(frames), tool.threads(), [&](std::int64_t frame) {
         const std::vector<Vec3> centres = centres_at(frame);
         try {
             require_smaller_probe(centres, probe_radius);
@@ -102,7 +103,7 @@ void run(const Request& request) {
             throw InvalidInput(fmt::format("frame {}: {}", frame, error.what()));
         }
         const std::scoped_lock lock(mutex);
-        progress.update(double(++done));
+        progress->update(double(++done));
     });
 
     Table table({"frame [-]", "time [s]", "strain [-]", "b0 [-]", "b1 [-]", "b2 [-]", "parts [-]", "pores [-]",
@@ -142,18 +143,18 @@ void run(const Request& request) {
         before = std::move(after);
     }
     table.write(request.table);
-    if (cli::given("--events")) events.write(request.events);
+    if (tool.given("--events")) events.write(request.events);
 
-    cli::report("frames", std::int64_t(frames));
-    cli::report("probe_radius", probe_radius, "mm");
+    tool.report("frames", std::int64_t(frames));
+    tool.report("probe_radius", probe_radius, "mm");
     for (const char* which : {"first", "last"}) {
         const FrameTopology& frame = which[0] == 'f' ? topology.front() : topology.back();
-        cli::report(fmt::format("b0_{}", which), frame.b0);
-        cli::report(fmt::format("b1_{}", which), frame.b1);
-        cli::report(fmt::format("b2_{}", which), frame.b2);
+        tool.report(fmt::format("b0_{}", which), frame.b0);
+        tool.report(fmt::format("b1_{}", which), frame.b1);
+        tool.report(fmt::format("b2_{}", which), frame.b2);
     }
-    for (const auto& [name, count] : counts) cli::report(name, count);
-    cli::report_json("events", json.dump());
+    for (const auto& [name, count] : counts) tool.report(name, count);
+    tool.report_json("events", json);
 }
 }  // namespace
 

@@ -7,9 +7,9 @@
 #include <exception>
 #include <span>
 
-#include "core/output_file.hpp"
-#include "core/packing_file.hpp"
-#include "core/run_file.hpp"
+#include "core/base/output_file.hpp"
+#include "core/packing/packing_file.hpp"
+#include "core/packing/run_file.hpp"
 
 namespace tomodem::packgen {
 namespace fs = std::filesystem;

@@ -1,5 +1,5 @@
 #pragma once
-#include "core/structure.hpp"
+#include "core/packing/structure.hpp"
 
 namespace tomodem::packgen {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tools/packgen/contact_force.hpp"
 #include "tools/packgen/neighbour_list.hpp"
 #include "tools/packgen/thread_team.hpp"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "core/packing.hpp"
+#include "core/packing/packing.hpp"
 
 namespace tomodem::packgen {
 

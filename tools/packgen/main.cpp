@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <nlohmann/json.hpp>
 
-#include "core/cli.hpp"
-#include "core/error.hpp"
-#include "core/packing_file.hpp"
+#include "core/base/error.hpp"
+#include "core/cli/cli.hpp"
+#include "core/packing/packing_file.hpp"
 #include "tools/packgen/brick_cache.hpp"
 #include "tools/packgen/brick_structure.hpp"
 #include "tools/packgen/compaction.hpp"
@@ -44,6 +45,7 @@ cli::Usage usage(Request& request) {
                 "the same number gives the same packing")
         .flag("--no-cache", request.no_cache,
               "make it even if it was made before, and do not keep it (in $XDG_CACHE_HOME/tomodem or ~/.cache/tomodem)")
+        .threads()
         .example("packgen brick.h5 --particles 20000 --density 0.70");
 }
 
@@ -81,27 +83,28 @@ std::string as_json(const RadialDistribution& distribution, double diameter) {
                        fmt::join(distribution.g, ","));
 }
 
-void report_structure(const packgen::BrickStructure& structure, double diameter, std::size_t particles) {
+void report_structure(const packgen::BrickStructure& structure, double diameter, std::size_t particles,
+                      cli::Tool& tool) {
     const ContactStatistics& contacts = structure.contacts;
-    cli::report("max_overlap", contacts.max_overlap, "d");
-    cli::report("mean_overlap", contacts.mean_overlap, "d");
-    cli::report("mean_coordination", contacts.mean_coordination);
-    cli::report("backbone_coordination", contacts.backbone_coordination);
-    cli::report("rattlers", static_cast<double>(contacts.rattlers) / static_cast<double>(particles));
-    cli::report("crystalline", structure.crystalline());
-    cli::report("fcc", structure.fcc);
-    cli::report("hcp", structure.hcp);
-    cli::report("bcc", structure.bcc);
-    cli::report("icosahedral", structure.icosahedral);
-    cli::report("solid_like", structure.solid_like);
-    cli::report("mean_q6", structure.mean_q6);
-    cli::report("global_q6", structure.global_q6);
-    cli::report("bond_cutoff", structure.bond_cutoff / diameter, "d");
-    cli::report_json("radial_distribution", as_json(structure.distribution, diameter));
+    tool.report("max_overlap", contacts.max_overlap, "d");
+    tool.report("mean_overlap", contacts.mean_overlap, "d");
+    tool.report("mean_coordination", contacts.mean_coordination);
+    tool.report("backbone_coordination", contacts.backbone_coordination);
+    tool.report("rattlers", static_cast<double>(contacts.rattlers) / static_cast<double>(particles));
+    tool.report("crystalline", structure.crystalline());
+    tool.report("fcc", structure.fcc);
+    tool.report("hcp", structure.hcp);
+    tool.report("bcc", structure.bcc);
+    tool.report("icosahedral", structure.icosahedral);
+    tool.report("solid_like", structure.solid_like);
+    tool.report("mean_q6", structure.mean_q6);
+    tool.report("global_q6", structure.global_q6);
+    tool.report("bond_cutoff", structure.bond_cutoff / diameter, "d");
+    tool.report_json("radial_distribution", nlohmann::ordered_json::parse(as_json(structure.distribution, diameter)));
 }
 
-void run(const Request& request) {
-    cli::Progress progress("compaction", 1.0);
+void run(const Request& request, cli::Tool& tool) {
+    const auto progress = tool.progress("compaction", 1.0);
     const packgen::Compaction wanted{.particles = request.particles,
                                      .density = request.density,
                                      .seed_radius = request.seed_radius,
@@ -109,29 +112,29 @@ void run(const Request& request) {
                                      .aspect = aspect_of(request.aspect),
                                      .periodic = periodic_of(request.periodic),
                                      .random_seed = request.random_seed,
-                                     .threads = cli::threads(),
-                                     .progress = [&](double done) { progress.update(done); }};
+                                     .threads = tool.threads(),
+                                     .progress = [&](double done) { progress->update(done); }};
     const packgen::BrickCache cache(request.no_cache ? std::filesystem::path{} : packgen::BrickCache::users_folder());
     const std::optional<packgen::CompactedPacking> kept = cache.find(wanted);
     const packgen::CompactedPacking made = kept ? *kept : packgen::compact(wanted);
     if (!kept) cache.keep(wanted, made);
     const Packing& packing = made.packing;
-    write_packing(packing, request.packing, cli::provenance());
-    cli::report("particles", request.particles);
-    cli::report("density", packing.density());
-    cli::report("box_edge_x", packing.box.edges.x(), "mm");
-    cli::report("box_edge_y", packing.box.edges.y(), "mm");
-    cli::report("box_edge_z", packing.box.edges.z(), "mm");
+    write_packing(packing, request.packing, tool.provenance());
+    tool.report("particles", request.particles);
+    tool.report("density", packing.density());
+    tool.report("box_edge_x", packing.box.edges.x(), "mm");
+    tool.report("box_edge_y", packing.box.edges.y(), "mm");
+    tool.report("box_edge_z", packing.box.edges.z(), "mm");
     if (!packing.radius.empty()) {
         const auto [smallest, largest] = std::minmax_element(packing.radius.begin(), packing.radius.end());
-        cli::report("smallest_radius", *smallest, "mm");
-        cli::report("largest_radius", *largest, "mm");
+        tool.report("smallest_radius", *smallest, "mm");
+        tool.report("largest_radius", *largest, "mm");
     }
-    cli::report("steps", made.steps);
-    cli::report("residual", made.residual, "k d");
-    cli::report("load", made.load, "k d");
-    report_structure(packgen::structure_of(packing, cli::threads()), 2.0 * packing.seed_radius, packing.size());
-    cli::report("from_cache", std::int64_t{kept.has_value()});
+    tool.report("steps", made.steps);
+    tool.report("residual", made.residual, "k d");
+    tool.report("load", made.load, "k d");
+    report_structure(packgen::structure_of(packing, tool.threads()), 2.0 * packing.seed_radius, packing.size(), tool);
+    tool.report("from_cache", std::int64_t{kept.has_value()});
 }
 }  // namespace
 

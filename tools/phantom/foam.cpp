@@ -8,9 +8,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/cli.hpp"
-#include "core/error.hpp"
-#include "core/volume_parallel.hpp"
+#include "core/base/error.hpp"
+#include "core/base/parallel.hpp"
 
 namespace tomodem {
 namespace {
@@ -123,7 +122,8 @@ std::vector<float> square_distances(const std::vector<Strut>& struts, VoxelIndex
 
 }  // namespace
 
-std::vector<Strut> foam_struts(const Vec3& edges, double cell, double irregularity, Random& random) {
+std::vector<Strut> foam_struts(const Vec3& edges, double cell, double irregularity, Random& random,
+                               Reporter& reporter) {
     std::vector<Vec3> seeds;
     std::array<std::int64_t, 3> count;
     constexpr std::int64_t margin = 3;  // cubes around the box
@@ -145,7 +145,7 @@ std::vector<Strut> foam_struts(const Vec3& edges, double cell, double irregulari
     };
     std::vector<KeyedStrut> found;
     std::vector<std::pair<double, Vec3>> neighbours;
-    cli::Progress progress("cells", static_cast<double>(seeds.size()));
+    const auto progress = reporter.progress("cells", static_cast<double>(seeds.size()));
     for (std::size_t i = 0; i < seeds.size(); ++i) {
         // A cell whose seed is this far outside cannot reach into the box.
         if ((seeds[i].array() < -1.5 * cell).any() || (seeds[i].array() > (edges.array() + 1.5 * cell)).any()) continue;
@@ -169,7 +169,7 @@ std::vector<Strut> foam_struts(const Vec3& edges, double cell, double irregulari
                 const Vec3 key = middle / (1e-6 * cell);
                 found.push_back({{std::llround(key[0]), std::llround(key[1]), std::llround(key[2])}, strut});
             }
-        progress.update(static_cast<double>(i + 1));
+        progress->update(static_cast<double>(i + 1));
     }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.middle < b.middle; });
     std::vector<Strut> struts;

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "core/volume.hpp"
+#include "core/volume/volume.hpp"
 #include "tools/phantom/spheres.hpp"
 
 namespace tomodem {
@@ -15,7 +15,8 @@ struct Strut {
 ///
 /// @param edges  of the box to fill [mm]; cells around it are made as well, so that its faces cut through the foam
 /// @param cell   edge of the cube that holds two cells [mm]
-std::vector<Strut> foam_struts(const Vec3& edges, double cell, double irregularity, Random& random);
+std::vector<Strut> foam_struts(const Vec3& edges, double cell, double irregularity, Random& random,
+                               Reporter& reporter = silent_reporter());
 
 struct Foam {
     LabelVolume volume;         ///< 1 in the struts, 0 elsewhere; the solid is one component (faces)

@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 
 namespace tomodem {
 namespace {

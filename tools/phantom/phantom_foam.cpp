@@ -1,8 +1,8 @@
 // phantom_foam: an open-cell foam (label 1 in void 0) of a given relative density, with its truth.
 #include <algorithm>
 
-#include "core/cli.hpp"
-#include "core/volume_cli.hpp"
+#include "core/cli/cli.hpp"
+#include "core/cli/volume_cli.hpp"
 #include "tools/phantom/foam.hpp"
 #include "tools/phantom/truth.hpp"
 
@@ -30,29 +30,30 @@ cli::Usage usage(Request& request) {
         .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,
                 "another one, another phantom")
         .output_option("--truth", request.truth, "where the truth goes instead (.json)")
+        .threads()
         .example("phantom_foam foam.tif --size 150 --voxel-size 20um --relative-density 0.1 --cells 4");
 }
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     const VoxelIndex size = parse_size("--size", request.size);
     const auto truth_file = truth_path(request.volume, request.truth);
     const Vec3 edges = request.voxel_size * Vec3(size[0], size[1], size[2]);
     const double cell = edges.minCoeff() / static_cast<double>(request.cells);
 
     Random random(static_cast<std::uint64_t>(request.random_seed));
-    const auto struts = foam_struts(edges, cell, request.irregularity, random);
-    const Foam foam = draw_foam(struts, size, request.voxel_size, request.relative_density, cli::threads());
+    const auto struts = foam_struts(edges, cell, request.irregularity, random, tool);
+    const Foam foam = draw_foam(struts, size, request.voxel_size, request.relative_density, tool.threads());
 
-    auto truth = truth_of(foam.volume, request.random_seed, {{0, "void"}, {1, "solid"}}, {});
+    auto truth = truth_of(foam.volume, tool.provenance(), request.random_seed, {{0, "void"}, {1, "solid"}}, {});
     truth["relative_density"] = request.relative_density;
     truth["strut_radius_mm"] = foam.strut_radius;
     truth["strut_radius_voxels"] = foam.strut_radius / request.voxel_size;
     truth["mean_cell_volume_mm3"] = cell * cell * cell / 2;
     truth["irregularity"] = request.irregularity;
     truth["solid_components"] = 1;
-    cli::report("strut_radius", foam.strut_radius, "mm");
-    cli::report("strut_radius_voxels", foam.strut_radius / request.voxel_size, "voxels");
-    write_phantom(foam.volume, request.volume, truth, truth_file);
+    tool.report("strut_radius", foam.strut_radius, "mm");
+    tool.report("strut_radius_voxels", foam.strut_radius / request.voxel_size, "voxels");
+    write_phantom(foam.volume, request.volume, truth, truth_file, tool);
 }
 }  // namespace
 

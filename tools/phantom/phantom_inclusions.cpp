@@ -1,7 +1,7 @@
 // phantom_inclusions: spherical inclusions (label 2) in a matrix (label 1), with their truth.
-#include "core/cli.hpp"
-#include "core/units.hpp"
-#include "core/volume_cli.hpp"
+#include "core/base/units.hpp"
+#include "core/cli/cli.hpp"
+#include "core/cli/volume_cli.hpp"
 #include "tools/phantom/grains.hpp"
 #include "tools/phantom/truth.hpp"
 
@@ -29,6 +29,7 @@ cli::Usage usage(Request& request) {
         .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,
                 "another one, another phantom")
         .output_option("--truth", request.truth, "where the truth goes instead (.json)")
+        .threads()
         .example("phantom_inclusions composite.tif --voxel-size 2.4um --fraction 0.2 --count 20")
         .example(
             "phantom_inclusions composite.tif --size 200x200x300 --voxel-size 2.4um --fraction 0.1 "
@@ -48,10 +49,10 @@ std::optional<std::array<double, 2>> diameters(const std::string& text) {
     }
 }
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     InclusionRequest wanted;
-    if (cli::given("--fraction")) wanted.fraction = request.fraction;
-    if (cli::given("--count")) wanted.count = request.count;
+    if (tool.given("--fraction")) wanted.fraction = request.fraction;
+    if (tool.given("--count")) wanted.count = request.count;
     wanted.diameter = diameters(request.diameter);
     const VoxelIndex size = parse_size("--size", request.size);
     const auto truth_file = truth_path(request.volume, request.truth);
@@ -59,18 +60,18 @@ void run(const Request& request) {
 
     Random random(static_cast<std::uint64_t>(request.random_seed));
     const auto drawn = draw_inclusions(wanted, edges.prod(), random);
-    const auto grains = place_without_overlap(drawn, edges, request.gap * request.voxel_size, random);
-    const Raster raster = rasterise(grains, size, request.voxel_size, 2, 1);
+    const auto grains = place_without_overlap(drawn, edges, request.gap * request.voxel_size, random, tool);
+    const Raster raster = rasterise(grains, size, request.voxel_size, 2, 1, tool.threads(), tool);
 
     double volume = 0;
     for (const Grain& grain : grains) volume += grain_volume(grain);
     const double fraction = volume / edges.prod();
-    auto truth = truth_of(raster.volume, request.random_seed, {{1, "matrix"}, {2, "inclusion"}},
+    auto truth = truth_of(raster.volume, tool.provenance(), request.random_seed, {{1, "matrix"}, {2, "inclusion"}},
                           {{1, 1 - fraction}, {2, fraction}});
     truth["count"] = grains.size();
     truth["objects"] = grains_truth(grains, raster.voxels, 2, request.voxel_size);
-    cli::report("count", static_cast<std::int64_t>(grains.size()));
-    write_phantom(raster.volume, request.volume, truth, truth_file);
+    tool.report("count", static_cast<std::int64_t>(grains.size()));
+    write_phantom(raster.volume, request.volume, truth, truth_file, tool);
 }
 }  // namespace
 

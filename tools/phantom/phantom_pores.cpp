@@ -1,6 +1,6 @@
 // phantom_pores: closed casting pores (label 0) in a solid (label 1), with their truth.
-#include "core/cli.hpp"
-#include "core/volume_cli.hpp"
+#include "core/cli/cli.hpp"
+#include "core/cli/volume_cli.hpp"
 #include "tools/phantom/grains.hpp"
 #include "tools/phantom/truth.hpp"
 
@@ -33,25 +33,26 @@ cli::Usage usage(Request& request) {
         .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,
                 "another one, another phantom")
         .output_option("--truth", request.truth, "where the truth goes instead (.json)")
+        .threads()
         .example("phantom_pores casting.tif --size 120 --voxel-size 10um --porosity 0.02 --median-diameter 120um");
 }
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     const VoxelIndex size = parse_size("--size", request.size);
     const auto truth_file = truth_path(request.volume, request.truth);
     const Vec3 edges = request.voxel_size * Vec3(size[0], size[1], size[2]);
 
     Random random(static_cast<std::uint64_t>(request.random_seed));
     const auto drawn = draw_pores(request.pores, edges.prod(), random);
-    const auto pores = place_without_overlap(drawn, edges, request.gap * request.voxel_size, random);
-    const Raster raster = rasterise(pores, size, request.voxel_size, 0, 1);
+    const auto pores = place_without_overlap(drawn, edges, request.gap * request.voxel_size, random, tool);
+    const Raster raster = rasterise(pores, size, request.voxel_size, 0, 1, tool.threads(), tool);
 
-    auto truth = truth_of(raster.volume, request.random_seed, {{0, "pore"}, {1, "solid"}},
+    auto truth = truth_of(raster.volume, tool.provenance(), request.random_seed, {{0, "pore"}, {1, "solid"}},
                           {{0, request.pores.porosity}, {1, 1 - request.pores.porosity}});
     truth["count"] = pores.size();
     truth["objects"] = grains_truth(pores, raster.voxels, 0, request.voxel_size);
-    cli::report("count", static_cast<std::int64_t>(pores.size()));
-    write_phantom(raster.volume, request.volume, truth, truth_file);
+    tool.report("count", static_cast<std::int64_t>(pores.size()));
+    write_phantom(raster.volume, request.volume, truth, truth_file, tool);
 }
 }  // namespace
 

@@ -7,9 +7,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/cli.hpp"
-#include "core/error.hpp"
-#include "core/volume_parallel.hpp"
+#include "core/base/error.hpp"
+#include "core/base/parallel.hpp"
 
 namespace tomodem {
 namespace {
@@ -196,7 +195,8 @@ Vec3 Random::direction() {
     return {across * std::cos(angle), across * std::sin(angle), z};
 }
 
-std::vector<Grain> place_without_overlap(std::vector<Grain> grains, const Vec3& edges, double gap, Random& random) {
+std::vector<Grain> place_without_overlap(std::vector<Grain> grains, const Vec3& edges, double gap, Random& random,
+                                         Reporter& reporter) {
     if (grains.empty()) return grains;
     double largest = 0;
     for (const Grain& grain : grains) largest = std::max(largest, bounds(grain).radius);
@@ -212,7 +212,7 @@ std::vector<Grain> place_without_overlap(std::vector<Grain> grains, const Vec3& 
                      [&](auto a, auto b) { return bounds(grains[a]).radius > bounds(grains[b]).radius; });
     Neighbours neighbours(edges, 2 * largest + gap);
     bool all_placed = true;
-    cli::Progress placing("placing", static_cast<double>(grains.size()));
+    const auto progress = reporter.progress("placing", static_cast<double>(grains.size()));
     for (std::size_t placed = 0; placed < order.size(); ++placed) {
         Grain& grain = grains[order[placed]];
         const Sphere around = bounds(grain);
@@ -230,7 +230,7 @@ std::vector<Grain> place_without_overlap(std::vector<Grain> grains, const Vec3& 
             all_placed = false;
         }
         neighbours.add(order[placed], grain_centre(grain));
-        placing.update(static_cast<double>(placed + 1));
+        progress->update(static_cast<double>(placed + 1));
     }
     if (all_placed) return grains;
 
@@ -259,11 +259,12 @@ std::vector<Grain> place_without_overlap(std::vector<Grain> grains, const Vec3& 
 }
 
 Raster rasterise(const std::vector<Grain>& grains, VoxelIndex size, double voxel_size, std::int32_t label,
-                 std::int32_t background) {
+                 std::int32_t background, int threads, Reporter& reporter) {
     Raster raster{LabelVolume(size, Vec3::Constant(voxel_size)), std::vector<std::int64_t>(grains.size(), 0)};
+    raster.volume.use_threads(threads);
     const std::int64_t page = std::int64_t{size[0]} * size[1];
     std::vector<std::int32_t> labels;
-    cli::Progress drawing("drawing", size[2]);
+    const auto progress = reporter.progress("drawing", size[2]);
     for (std::int32_t k0 = 0; k0 < size[2]; k0 += LabelVolume::slab) {
         const std::int32_t count = std::min(LabelVolume::slab, size[2] - k0);
         labels.assign(page * count, background);
@@ -299,7 +300,7 @@ Raster rasterise(const std::vector<Grain>& grains, VoxelIndex size, double voxel
                 }
             }
         raster.volume.set_slices(k0, count, labels);
-        drawing.update(k0 + count);
+        progress->update(k0 + count);
     }
     return raster;
 }

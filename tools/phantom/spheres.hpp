@@ -3,8 +3,8 @@
 #include <random>
 #include <vector>
 
-#include "core/packing.hpp"
-#include "core/volume.hpp"
+#include "core/packing/packing.hpp"
+#include "core/volume/volume.hpp"
 
 namespace tomodem {
 
@@ -45,7 +45,8 @@ class Random {
 ///
 /// @return the grains in the order given, placed
 /// @throws InvalidInput if a grain is larger than the box, or if they cannot be pushed apart
-std::vector<Grain> place_without_overlap(std::vector<Grain> grains, const Vec3& edges, double gap, Random& random);
+std::vector<Grain> place_without_overlap(std::vector<Grain> grains, const Vec3& edges, double gap, Random& random,
+                                         Reporter& reporter = silent_reporter());
 
 /// Gives `label` to the voxels whose centre lies in a grain. `background` elsewhere.
 /// @return the volume, and the number of voxels of each grain
@@ -54,6 +55,6 @@ struct Raster {
     std::vector<std::int64_t> voxels;
 };
 Raster rasterise(const std::vector<Grain>& grains, VoxelIndex size, double voxel_size, std::int32_t label,
-                 std::int32_t background);
+                 std::int32_t background, int threads = 1, Reporter& reporter = silent_reporter());
 
 }  // namespace tomodem

@@ -1,11 +1,11 @@
 #include "tools/phantom/truth.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/cli.hpp"
-#include "core/error.hpp"
-#include "core/output_file.hpp"
+#include "core/base/error.hpp"
+#include "core/base/output_file.hpp"
 
 namespace tomodem {
 namespace {
@@ -16,10 +16,9 @@ std::vector<double> numbers(const Vec3& vector) {
 
 }  // namespace
 
-nlohmann::ordered_json truth_of(const LabelVolume& volume, std::int64_t random_seed,
+nlohmann::ordered_json truth_of(const LabelVolume& volume, const Provenance& provenance, std::int64_t random_seed,
                                 const std::map<std::int32_t, std::string>& names,
                                 const std::map<std::int32_t, double>& fractions) {
-    const Provenance provenance = cli::provenance();
     nlohmann::ordered_json truth;
     truth["tool"] = provenance.tool;
     truth["version"] = provenance.version;
@@ -74,12 +73,12 @@ std::filesystem::path truth_path(const std::filesystem::path& volume, const std:
 }
 
 void write_phantom(const LabelVolume& volume, const std::filesystem::path& path, const nlohmann::ordered_json& truth,
-                   const std::filesystem::path& truth_path) {
+                   const std::filesystem::path& truth_path, Reporter& reporter) {
     for (const auto& label : truth["labels"])
-        cli::report("fraction_label_" + label["label"].dump(), 100 * label["voxel_fraction"].get<double>(), "%");
+        reporter.report("fraction_label_" + label["label"].dump(), 100 * label["voxel_fraction"].get<double>(), "%");
     // The truth comes first: Make takes the volume as the target, and its truth is then there.
     write_text(truth_path, truth.dump(2) + "\n");
-    write_label_volume(volume, path);
+    write_label_volume(volume, path, reporter);
 }
 
 }  // namespace tomodem

@@ -4,7 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/volume.hpp"
+#include "core/base/provenance.hpp"
+#include "core/volume/volume.hpp"
 #include "tools/phantom/spheres.hpp"
 
 namespace tomodem {
@@ -12,7 +13,7 @@ namespace tomodem {
 /// The truth of a phantom: how it was made, size, voxel size, and of each label the voxels and their fraction.
 /// @param names      name of each label
 /// @param fractions  analytic fraction of each label, where it is known
-nlohmann::ordered_json truth_of(const LabelVolume& volume, std::int64_t random_seed,
+nlohmann::ordered_json truth_of(const LabelVolume& volume, const Provenance& provenance, std::int64_t random_seed,
                                 const std::map<std::int32_t, std::string>& names,
                                 const std::map<std::int32_t, double>& fractions);
 
@@ -25,6 +26,6 @@ std::filesystem::path truth_path(const std::filesystem::path& volume, const std:
 
 /// Reports the fractions, writes the truth and then the volume.
 void write_phantom(const LabelVolume& volume, const std::filesystem::path& path, const nlohmann::ordered_json& truth,
-                   const std::filesystem::path& truth_path);
+                   const std::filesystem::path& truth_path, Reporter& reporter);
 
 }  // namespace tomodem

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
 
 namespace tomodem {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "core/scene.hpp"
-#include "core/volume.hpp"
+#include "core/scene/scene.hpp"
+#include "core/volume/volume.hpp"
 
 /// What in an image must be resolved by particles.
 namespace tomodem {

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/cli.hpp"
-#include "core/error.hpp"
-#include "core/output_file.hpp"
-#include "core/volume_cli.hpp"
+#include "core/base/error.hpp"
+#include "core/base/output_file.hpp"
+#include "core/cli/cli.hpp"
+#include "core/cli/volume_cli.hpp"
 #include "tools/plan/proposal.hpp"
 
 namespace {
@@ -79,10 +80,10 @@ std::string shell_quoted(const std::string& text) {
 }
 
 /// The options of the image as they were given.
-std::string image_options(const VolumeRequest& volume) {
+std::string image_options(const VolumeRequest& volume, cli::Tool& tool) {
     std::string text;
     const auto add = [&](const std::string& flag, const std::string& value) {
-        if (cli::given(flag)) text += " " + flag + " " + shell_quoted(value);
+        if (tool.given(flag)) text += " " + flag + " " + shell_quoted(value);
     };
     add("--voxel-size", fmt::format("{:g}mm", volume.voxel_size));
     add("--slice-spacing", fmt::format("{:g}mm", volume.slice_spacing));
@@ -98,34 +99,34 @@ std::string image_options(const VolumeRequest& volume) {
     return text;
 }
 
-void tell(const std::vector<Feature>& features, const ImageFeatures& image) {
+void tell(const std::vector<Feature>& features, const ImageFeatures& image, cli::Tool& tool) {
     std::string rows;
     for (const Feature& one : features) {
         const char* const kind = one.kind == Feature::Kind::objects ? "objects"
                                  : one.kind == Feature::Kind::pores ? "pores"
                                                                     : "struts";
-        cli::report(one.kind == Feature::Kind::objects ? fmt::format("objects_of_{}", one.of) : kind,
+        tool.report(one.kind == Feature::Kind::objects ? fmt::format("objects_of_{}", one.of) : kind,
                     fmt::format("{}median diameter {:.4g} mm ({:.3g} voxels), smallest {:.4g} mm",
                                 one.kind == Feature::Kind::struts ? "" : fmt::format("{} of them, ", one.count),
                                 one.median, one.median / image.voxel, one.smallest));
         rows += fmt::format(R"({}{{"kind": "{}", "of": "{}", "count": {}, "median": {}, "smallest": {}}})",
                             rows.empty() ? "" : ", ", kind, one.of, one.count, one.median, one.smallest);
     }
-    cli::report_json("features", "[" + rows + "]");
+    tool.report_json("features", nlohmann::ordered_json::parse("[" + rows + "]"));
 }
 
-void tell(const Proposal& found, const ImageFeatures& image) {
-    cli::report("law", std::string(name_of(found.choice.law)));
-    cli::report(found.choice.key(), found.choice.step);
-    cli::report("pixels_per_seed", found.seed_radius / image.voxel, "voxels");
-    cli::report("seed_radius", found.seed_radius, "mm");
-    cli::report("particles", static_cast<std::int64_t>(std::llround(found.particles)));
-    cli::report("time_step", found.time_step, "s");
-    cli::report("steps", found.steps);
+void tell(const Proposal& found, const ImageFeatures& image, cli::Tool& tool) {
+    tool.report("law", std::string(name_of(found.choice.law)));
+    tool.report(found.choice.key(), found.choice.step);
+    tool.report("pixels_per_seed", found.seed_radius / image.voxel, "voxels");
+    tool.report("seed_radius", found.seed_radius, "mm");
+    tool.report("particles", static_cast<std::int64_t>(std::llround(found.particles)));
+    tool.report("time_step", found.time_step, "s");
+    tool.report("steps", found.steps);
     std::string rows;
     for (const PredictedError& one : found.errors) {
         const ErrorParts& parts = one.parts;
-        cli::report(
+        tool.report(
             fmt::format("predicted_error_{}", name_of(one.quantity)),
             fmt::format("{:.2g} % (resolution {:.2g}, time step {:.2g}, packings {:.2g}, rates {:.2g}) at {:.3g} "
                         "particles{}",
@@ -137,20 +138,20 @@ void tell(const Proposal& found, const ImageFeatures& image) {
             rows.empty() ? "" : ", ", name_of(one.quantity), parts.total(), one.resolution, parts.resolution,
             parts.time_step, parts.packings, parts.rates);
     }
-    cli::report_json("predicted_errors", "[" + rows + "]");
-    cli::report("predicted_error", 100 * found.error(), "%");
-    cli::report("predicted_prepare_cpu_seconds", found.prepare_seconds, "s");
-    cli::report("predicted_cpu_seconds", found.cpu_seconds, "s");
-    cli::report("predicted_peak_bytes", static_cast<std::int64_t>(found.bytes), "B");
+    tool.report_json("predicted_errors", nlohmann::ordered_json::parse("[" + rows + "]"));
+    tool.report("predicted_error", 100 * found.error(), "%");
+    tool.report("predicted_prepare_cpu_seconds", found.prepare_seconds, "s");
+    tool.report("predicted_cpu_seconds", found.cpu_seconds, "s");
+    tool.report("predicted_peak_bytes", static_cast<std::int64_t>(found.bytes), "B");
 }
 
 /// Where the errors of the table, or carve, have their limits.
-void tell_what_it_does_not_hold_for(const Plan& plan, const ImageFeatures& image, const Scene& scene) {
+void tell_what_it_does_not_hold_for(const Plan& plan, const ImageFeatures& image, const Scene& scene, cli::Tool& tool) {
     const double two_particles = 4 * plan.proposal.seed_radius;
     const auto near =
         std::count_if(image.pore_gaps.begin(), image.pore_gaps.end(), [&](double gap) { return gap < two_particles; });
     if (near > 0)
-        cli::note(
+        tool.note(
             fmt::format("{} of {} closed pores come within two particles of a face of the image: carve takes these as "
                         "open, and leaves them as they are; take a larger part of the image, or finer particles",
                         near, image.pore_gaps.size()));
@@ -158,7 +159,7 @@ void tell_what_it_does_not_hold_for(const Plan& plan, const ImageFeatures& image
     constexpr double deepest = 0.36;
     for (const LoadStep& step : scene.steps)
         if (step.strain > 0 || step.strain < -deepest || &step != &scene.steps.front()) {
-            cli::note(
+            tool.note(
                 "the errors are those of samples pressed once to a strain of -0.2 (pores) or -0.3; this load is "
                 "another one");
             return;
@@ -167,8 +168,8 @@ void tell_what_it_does_not_hold_for(const Plan& plan, const ImageFeatures& image
 
 /// What to type next. Objects, pores: what vol2pack and carve need for them.
 std::vector<std::string> commands(const Request& request, const Proposal& found, const ImageFeatures& image,
-                                  const Scene& scene) {
-    const std::string stack = shell_quoted(request.volume.path), options = image_options(request.volume);
+                                  const Scene& scene, cli::Tool& tool) {
+    const std::string stack = shell_quoted(request.volume.path), options = image_options(request.volume, tool);
     const std::string relabel = request.volume.relabel, proposed = shell_quoted(request.proposed.string());
     const auto relabelled = [&](const std::string& text) {
         return text.empty() ? std::string{} : " --relabel " + shell_quoted(text);
@@ -194,9 +195,9 @@ std::vector<std::string> commands(const Request& request, const Proposal& found,
     return lines;
 }
 
-void run(const Request& given) {
+void run(const Request& given, cli::Tool& tool) {
     Request request = given;
-    if (!cli::given("--scene")) throw WrongUsage("give the --scene");
+    if (!tool.given("--scene")) throw WrongUsage("give the --scene");
     if (request.proposed.empty())
         request.proposed = std::filesystem::path(request.scene).replace_extension("proposed.toml");
     PlanRequest wanted;
@@ -211,26 +212,26 @@ void run(const Request& given) {
     const TradeTable table =
         request.table.empty() ? shipped_trade() : parse_trade(content(request.table), request.table.string());
 
-    const LabelVolume volume = read_label_volume(request.volume.path, volume_options(request.volume));
-    const ImageFeatures image = find_features(volume, scene, cli::threads());
-    tell(image.features, image);
+    const LabelVolume volume = read_volume(request.volume, volume_options(request.volume), tool);
+    const ImageFeatures image = find_features(volume, scene, tool.threads());
+    tell(image.features, image, tool);
     const Plan plan = make_plan(image, wanted, table);
     // Files that the scene names are looked for beside it: also beside the new one?
     parse_scene(plan.proposal.scene, request.proposed.string());
 
-    tell(plan.proposal, image);
-    tell_what_it_does_not_hold_for(plan, image, scene);
-    for (const auto& [law, why] : plan.not_taken) cli::note(fmt::format("not law \"{}\": {}", name_of(law), why));
+    tell(plan.proposal, image, tool);
+    tell_what_it_does_not_hold_for(plan, image, scene, tool);
+    for (const auto& [law, why] : plan.not_taken) tool.note(fmt::format("not law \"{}\": {}", name_of(law), why));
     for (const Proposal& other : plan.other_laws)
-        cli::note(fmt::format("law \"{}\" would take {:.0f} particles and {:.3g} s", name_of(other.choice.law),
+        tool.note(fmt::format("law \"{}\" would take {:.0f} particles and {:.3g} s", name_of(other.choice.law),
                               other.particles, other.cpu_seconds + other.prepare_seconds));
     for (const ExpectedFlow& flow : plan.proposal.flows)
         if (!flow.outside.empty())
-            cli::note(fmt::format("[phase.{}] would be outside its calibration: {}", flow.phase,
+            tool.note(fmt::format("[phase.{}] would be outside its calibration: {}", flow.phase,
                                   fmt::join(flow.outside, "; ")));
-    for (const std::string& line : commands(request, plan.proposal, image, scene))
-        cli::report("command_" + line.substr(0, line.find(' ')), line);
-    cli::report("table", fmt::format("{}; seconds are those of {}", table.name, table.processor));
+    for (const std::string& line : commands(request, plan.proposal, image, scene, tool))
+        tool.report("command_" + line.substr(0, line.find(' ')), line);
+    tool.report("table", fmt::format("{}; seconds are those of {}", table.name, table.processor));
     write_text(request.proposed, plan.proposal.scene);
 }
 }  // namespace

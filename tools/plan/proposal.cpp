@@ -7,9 +7,9 @@
 #include <numbers>
 #include <set>
 
-#include "core/error.hpp"
-#include "core/load_path.hpp"
-#include "core/model.hpp"
+#include "core/base/error.hpp"
+#include "core/scene/load_path.hpp"
+#include "core/scene/model.hpp"
 
 namespace tomodem {
 namespace {

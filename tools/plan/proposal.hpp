@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/expected_flow.hpp"
+#include "core/scene/expected_flow.hpp"
 #include "tools/plan/features.hpp"
 #include "tools/plan/scene_text.hpp"
 #include "tools/plan/trade_table.hpp"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tools/plan/trade_table.hpp"
 
 namespace tomodem {

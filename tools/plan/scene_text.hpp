@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 
 namespace tomodem {
 

@@ -4,8 +4,8 @@
 
 #include <stdexcept>
 
-#include "core/error.hpp"
-#include "core/toml_reader.hpp"
+#include "core/base/error.hpp"
+#include "core/base/toml_reader.hpp"
 #include "tools/plan/shipped_trade.hpp"
 
 namespace tomodem {

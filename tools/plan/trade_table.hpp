@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 
 /// What accuracy costs, as measured (docs/trade.md): errors of what a simulation is made for, against resolution and
 /// time step of each law, and what a step of it takes.

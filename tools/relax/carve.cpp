@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "core/error.hpp"
-#include "core/volume_parallel.hpp"
+#include "core/base/error.hpp"
+#include "core/base/parallel.hpp"
 
 namespace tomodem {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "core/packing.hpp"
-#include "core/volume.hpp"
+#include "core/packing/packing.hpp"
+#include "core/volume/volume.hpp"
 #include "tools/relax/pore_measure.hpp"
 #include "tools/relax/pores.hpp"
 

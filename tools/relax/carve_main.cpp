@@ -1,18 +1,22 @@
 // carve: take particles out of a sample and relax, until its pores are as large as those of the image.
-#include "core/cli.hpp"
-#include "core/volume_cli.hpp"
-#include "solver_plugin/mpi_tool.hpp"
+#include "core/cli/cli.hpp"
+#include "core/cli/volume_cli.hpp"
+#include "solver_plugin/run/mpi_tool.hpp"
 #include "tools/relax/carving.hpp"
 
 namespace {
 
 using namespace tomodem;
 
-cli::Usage usage(CarveRequest& request) {
+struct Request : CarveRequest {
+    VolumeRequest volume_request;
+};
+
+cli::Usage usage(Request& request) {
     cli::Usage usage("carve", "Take particles out of a sample and relax, until its pores are as large as the image's.");
     usage.input("sample", request.sample, "dense sample, the image's void filled (.h5: vol2pack --relabel 0=1)")
         .input("scene", request.scene, "what the sample is made of (.toml)");
-    return add_volume(usage, request.volume)
+    return add_volume(usage, request.volume_request)
         .output("carved", request.carved, "sample with its pores, at rest, to write (.h5)")
         .option("--pore-error", request.pore_error, cli::Unit::percent, {0, 100, false, true},
                 "of the volume of each pore that is judged")
@@ -38,8 +42,11 @@ cli::Usage usage(CarveRequest& request) {
         .example("carve dense.h5 scene.toml stack/ carved.h5 --voxel-size 2.4um");
 }
 
-void run(const CarveRequest& request) {
-    carve(request, MPI_COMM_WORLD);
+void run(const Request& request, cli::Tool& tool) {
+    CarveRequest wanted = request;
+    wanted.image = request.volume_request.path;
+    wanted.volume = volume_options(request.volume_request);
+    carve(wanted, tool.provenance(), tool.threads(), MPI_COMM_WORLD, tool);
 }
 
 }  // namespace

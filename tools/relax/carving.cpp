@@ -5,11 +5,10 @@
 #include <optional>
 #include <utility>
 
-#include "core/cli.hpp"
-#include "core/output_file.hpp"
-#include "core/packing_file.hpp"
-#include "solver_plugin/checkpoint.hpp"
-#include "solver_plugin/mpi_tool.hpp"
+#include "core/base/output_file.hpp"
+#include "core/packing/packing_file.hpp"
+#include "solver_plugin/run/mpi_tool.hpp"
+#include "solver_plugin/simulation/checkpoint.hpp"
 
 namespace tomodem {
 namespace {
@@ -36,7 +35,8 @@ std::vector<double> numbers_of(const LabelVolume& volume) {
 /// The loop; what looks at the image runs on the first process alone.
 class Carving {
  public:
-    Carving(const CarveRequest& request, MPI_Comm communicator)
+    Carving(const CarveRequest& request, const Provenance& provenance, int threads, MPI_Comm communicator,
+            Reporter& reporter)
         : request_(request),
           communicator_(communicator),
           state_file_(with_suffix(request.carved, ".state")),
@@ -44,7 +44,9 @@ class Carving {
                                             : request.table),
           scene_(read_scene(request.scene)),
           sample_(read_sample(request.sample)),
-          provenance_(cli::provenance()) {
+          provenance_(provenance),
+          threads_(threads),
+          reporter_(reporter) {
         int rank = 0;
         MPI_Comm_rank(communicator, &rank);
         first_ = rank == 0;
@@ -116,15 +118,15 @@ class Carving {
         if (go_on) {
             restore();
         } else if (request_.resume && first_) {
-            cli::note(fmt::format("there is no state '{}': starting from the beginning", state_file_.string()));
+            reporter_.note(fmt::format("there is no state '{}': starting from the beginning", state_file_.string()));
         }
         together(communicator_, [&] {
             if (!first_) return;
             CarveOptions options = request_.carve;
             options.pore_error = request_.pore_error / 100;
             options.total_error = request_.total_error / 100;
-            options.threads = cli::threads();
-            const LabelVolume volume = read_label_volume(request_.volume.path, volume_options(request_.volume));
+            options.threads = threads_;
+            const LabelVolume volume = read_image(request_.image, request_.volume, threads_, reporter_).volume;
             carver_.emplace(volume, sample_, options);
             const std::vector<double> before = std::exchange(image_, numbers_of(volume));
             if (!go_on) return;
@@ -144,13 +146,13 @@ class Carving {
         }
         if (!first_) return;
         if (assessment_.judged == 0)
-            cli::warn(
+            reporter_.warn(
                 fmt::format("no closed pore is {:g} particles across or more: none is judged by itself, only their "
                             "total is",
                             request_.carve.judged_across));
         const double empty = carver_->empty_share(assessment_);
         if (!go_on && empty > 0.5 && request_.max_iterations > 0)
-            cli::warn(
+            reporter_.warn(
                 fmt::format("the sample is masked already: {:.0f} % of the pores' volume has no particles; they can "
                             "only grow from there, a dense sample (vol2pack --relabel 0=1) is the better start",
                             100 * empty));
@@ -173,7 +175,7 @@ class Carving {
         steps_ = static_cast<std::int64_t>(found.number("steps"));
         density_ = found.number("density");
         image_ = found.numbers.at("image");
-        cli::note(fmt::format("going on after iteration {}", rows_.back().iteration));
+        reporter_.note(fmt::format("going on after iteration {}", rows_.back().iteration));
     }
 
     void erase(const std::vector<std::size_t>& places) {
@@ -205,7 +207,7 @@ class Carving {
     }
 
     void come_to_rest() {
-        Relaxation result = relax(sample_, scene_, request_.limits, communicator_);
+        Relaxation result = relax(sample_, scene_, request_.limits, communicator_, reporter_);
         steps_ += result.cost.steps;
         if (first_) sample_ = std::move(result.sample);
         sample_.relaxed = true;
@@ -224,7 +226,7 @@ class Carving {
             row.energy_ratio = last_.energy_ratio;
             row.force_balance = last_.force_balance;
             rows_.push_back(row);
-            cli::note(
+            reporter_.note(
                 fmt::format("iteration {}: {} particles out, {}, IoU {:.3f}", iteration, removed, how_far(), row.iou));
             write_text(table_file_, table_of(rows_));
         });
@@ -257,22 +259,22 @@ class Carving {
         std::int64_t open = 0;
         for (const PoreState& pore : assessment_.pores) open += pore.open;
         const CarveRow& row = rows_.back();
-        cli::report("particles", static_cast<std::int64_t>(sample_.size()));
-        cli::report("iterations", row.iteration);
-        cli::report("density", carver_->density());
-        cli::report("closed_pores", static_cast<std::int64_t>(assessment_.pores.size()) - open);
-        cli::report("judged_pores", assessment_.judged);
-        cli::report("open_pores", open);
-        cli::report("too_small_pores", carver_->too_small());
-        cli::report("too_small_volume", carver_->too_small_volume(), "mm^3");
-        cli::report("image_volume", assessment_.target, "mm^3");
-        cli::report("pore_volume", assessment_.volume, "mm^3");
-        cli::report("total_error", row.total_error);
-        cli::report("total_error_by_grid", row.grid_error);
-        cli::report("worst_pore_error", row.worst_error);
-        cli::report("intersection_over_union", row.iou);
-        cli::report("surface_distance", row.surface_distance, "mm");
-        cli::report("steps", steps_);
+        reporter_.report("particles", static_cast<std::int64_t>(sample_.size()));
+        reporter_.report("iterations", row.iteration);
+        reporter_.report("density", carver_->density());
+        reporter_.report("closed_pores", static_cast<std::int64_t>(assessment_.pores.size()) - open);
+        reporter_.report("judged_pores", assessment_.judged);
+        reporter_.report("open_pores", open);
+        reporter_.report("too_small_pores", carver_->too_small());
+        reporter_.report("too_small_volume", carver_->too_small_volume(), "mm^3");
+        reporter_.report("image_volume", assessment_.target, "mm^3");
+        reporter_.report("pore_volume", assessment_.volume, "mm^3");
+        reporter_.report("total_error", row.total_error);
+        reporter_.report("total_error_by_grid", row.grid_error);
+        reporter_.report("worst_pore_error", row.worst_error);
+        reporter_.report("intersection_over_union", row.iou);
+        reporter_.report("surface_distance", row.surface_distance, "mm");
+        reporter_.report("steps", steps_);
     }
 
     const CarveRequest& request_;
@@ -282,6 +284,8 @@ class Carving {
     Scene scene_;
     Packing sample_;
     Provenance provenance_;
+    int threads_;
+    Reporter& reporter_;
     Inputs inputs_;
     std::optional<OutputFile> output_;
     std::optional<Carver> carver_;  // on the first process
@@ -295,8 +299,9 @@ class Carving {
 
 }  // namespace
 
-void carve(const CarveRequest& request, MPI_Comm communicator) {
-    Carving(request, communicator).run();
+void carve(const CarveRequest& request, const Provenance& provenance, int threads, MPI_Comm communicator,
+           Reporter& reporter) {
+    Carving(request, provenance, threads, communicator, reporter).run();
 }
 
 }  // namespace tomodem

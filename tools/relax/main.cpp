@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "core/cli.hpp"
-#include "core/packing_file.hpp"
-#include "solver_plugin/mpi_tool.hpp"
-#include "solver_plugin/solver.hpp"
+#include "core/cli/cli.hpp"
+#include "core/packing/packing_file.hpp"
+#include "solver_plugin/run/mpi_tool.hpp"
+#include "solver_plugin/run/solver.hpp"
 
 namespace {
 
@@ -41,49 +41,49 @@ Vec3 extent_of(const Packing& packing) {
 }
 
 /// A structure of thin parts may draw together while it comes to rest.
-void report_extent(const Packing& before, const Packing& after) {
+void report_extent(const Packing& before, const Packing& after, cli::Tool& tool) {
     const Vec3 old_extent = extent_of(before), extent = extent_of(after);
     double volume = 1;
     for (int axis = 0; axis < 3; ++axis) {
-        cli::report(fmt::format("extent_{}", "xyz"[axis]), extent[axis], "mm");
+        tool.report(fmt::format("extent_{}", "xyz"[axis]), extent[axis], "mm");
         if (old_extent[axis] > 0) volume *= extent[axis] / old_extent[axis];
     }
-    cli::report("box_volume_change", 100 * (volume - 1), "%");
+    tool.report("box_volume_change", 100 * (volume - 1), "%");
     // Faces draw in by a good part of a particle; from D = 0.70 a sample of BILIN grows by 8 %.
     const double across = std::cbrt(static_cast<double>(before.size()));
     if (volume - 1 < -0.05 - 0.5 / across || volume - 1 > 0.15)
-        cli::warn(
+        tool.warn(
             fmt::format("the sample changed its box by {:+.3g} % in volume: its parts may be too thin to keep their "
                         "shape, or its density far from that of its law",
                         100 * (volume - 1)));
 }
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     const Scene scene = read_scene(request.scene);
     const Packing sample = read_sample(request.sample);
-    Provenance provenance = cli::provenance();
+    Provenance provenance = tool.provenance();
     provenance.scene = scene.text;
     if (!scene.calibration_file.empty())
         provenance.inputs[scene.calibration_file.string()] = content_digest(scene.calibration_file);
-    const Relaxation result = relax(sample, scene, request.limits, MPI_COMM_WORLD);
+    const Relaxation result = relax(sample, scene, request.limits, MPI_COMM_WORLD, tool);
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     if (rank == 0) {  // where the sample is complete
         write_packing(result.sample, request.relaxed, provenance);
-        report_extent(sample, result.sample);
+        report_extent(sample, result.sample, tool);
     }
-    cli::report("particles", static_cast<std::int64_t>(sample.size()));
-    cli::report("steps", result.cost.steps);
-    cli::report("at_rest", static_cast<std::int64_t>(result.at_rest));
-    cli::report("periods", result.periods);
-    cli::report("energy_ratio", result.energy_ratio);
-    cli::report("force_balance", result.force_balance);
-    cli::report("residual_energy", result.residual_energy, "N k_rep r_s^2");
-    cli::report("largest_displacement", result.largest_displacement, "r_s");
-    cli::report("processes", static_cast<std::int64_t>(result.cost.processes));
-    cli::report("wall_seconds", result.cost.wall_seconds, "s");
-    cli::report("cpu_seconds", result.cost.cpu_seconds, "s");
-    cli::report("peak_bytes", result.cost.peak_bytes, "B");
+    tool.report("particles", static_cast<std::int64_t>(sample.size()));
+    tool.report("steps", result.cost.steps);
+    tool.report("at_rest", static_cast<std::int64_t>(result.at_rest));
+    tool.report("periods", result.periods);
+    tool.report("energy_ratio", result.energy_ratio);
+    tool.report("force_balance", result.force_balance);
+    tool.report("residual_energy", result.residual_energy, "N k_rep r_s^2");
+    tool.report("largest_displacement", result.largest_displacement, "r_s");
+    tool.report("processes", static_cast<std::int64_t>(result.cost.processes));
+    tool.report("wall_seconds", result.cost.wall_seconds, "s");
+    tool.report("cpu_seconds", result.cost.cpu_seconds, "s");
+    tool.report("peak_bytes", result.cost.peak_bytes, "B");
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 #include <functional>
 #include <span>
 
-#include "core/packing.hpp"
-#include "tools/mesh_recon/envelope.hpp"
+#include "core/packing/packing.hpp"
+#include "core/surface/envelope.hpp"
 #include "tools/relax/pores.hpp"
 
 /// How large a pore between particles is, measured twice: docs/relaxation.md.

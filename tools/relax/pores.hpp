@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/volume.hpp"
+#include "core/volume/volume.hpp"
 
 /// The pores of an image, and where a point is with respect to them.
 namespace tomodem {

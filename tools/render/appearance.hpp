@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/packing.hpp"
+#include "core/packing/packing.hpp"
 #include "tools/render/picture.hpp"
 
 /// How things look: their colours, and the legend that explains them.

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "core/output_file.hpp"
+#include "core/base/output_file.hpp"
 
 namespace tomodem {
 

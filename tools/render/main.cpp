@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/cli.hpp"
-#include "core/mesh.hpp"
-#include "core/packing_file.hpp"
-#include "core/scene.hpp"
-#include "core/volume_cli.hpp"
+#include "core/cli/cli.hpp"
+#include "core/cli/volume_cli.hpp"
+#include "core/mesh/mesh.hpp"
+#include "core/packing/packing_file.hpp"
+#include "core/scene/scene.hpp"
 #include "tools/render/series.hpp"
 #include "tools/render/subject.hpp"
 
@@ -74,6 +74,7 @@ cli::Usage usage(Request& request) {
         .exclusive({"--cut", "--slice", "--objects"})
         .exclusive({"--cut", "--slice", "--pores"})
         .exclusive({"--slice", "--turntable"})
+        .threads()
         .example("render run.h5 before.png --frame 0 --cut y --press z")
         .example("render run.h5 inclusions.png --only-species 2 --color object")
         .example("render run.h5 stress.mp4 --color stress_zz --cut y")
@@ -126,30 +127,30 @@ std::map<std::int32_t, std::string> phase_names(const Request& request, const Pr
 }
 
 /// What cannot be shown together.
-void check_combination(const Request& request) {
+void check_combination(const Request& request, cli::Tool& tool) {
     const bool quantity = request.colour != "phase" && request.colour != "object" && request.colour != "none";
     if (!request.range.empty() && !quantity)
         throw WrongUsage("--range goes with --color and a quantity of the file, such as stress_zz");
     if (!request.arrows.empty() && request.slice == "none")
         throw WrongUsage("--arrows are drawn in a slice; give --slice x, y or z");
-    if (cli::given("--slice-place") && request.slice == "none")
+    if (tool.given("--slice-place") && request.slice == "none")
         throw WrongUsage("--slice-place goes with --slice x, y or z");
     for (const char* flag : {"--color", "--only-species"})
-        if ((request.objects || request.pores) && cli::given(flag))
+        if ((request.objects || request.pores) && tool.given(flag))
             throw WrongUsage(fmt::format("{} is of particles; --objects and --pores show surfaces", flag));
     for (const char* flag : {"--probe-radius", "--opacity"})
-        if (!request.objects && !request.pores && cli::given(flag))
+        if (!request.objects && !request.pores && tool.given(flag))
             throw WrongUsage(fmt::format("{} goes with --objects or --pores", flag));
-    if (!request.pores && cli::given("--lid-radius")) throw WrongUsage("--lid-radius goes with --pores");
-    if (request.picture.extension() != ".mp4" && cli::given("--pictures-per-second"))
+    if (!request.pores && tool.given("--lid-radius")) throw WrongUsage("--lid-radius goes with --pores");
+    if (request.picture.extension() != ".mp4" && tool.given("--pictures-per-second"))
         throw WrongUsage("--pictures-per-second is of a movie, whose name ends in .mp4");
 }
 
-SubjectOptions subject_options(const Request& request, const RunReader& run) {
+SubjectOptions subject_options(const Request& request, const RunReader& run, cli::Tool& tool) {
     SubjectOptions options;
     options.colour = request.colour;
     options.range = parse_range(request.range);
-    if (cli::given("--only-species")) options.only_species = static_cast<std::int32_t>(request.only_species);
+    if (tool.given("--only-species")) options.only_species = static_cast<std::int32_t>(request.only_species);
     options.cut = cut_across(request.cut);
     options.slice = parse_axis(request.slice);
     options.slice_place = request.slice_place;
@@ -202,7 +203,7 @@ std::vector<std::size_t> counted(std::size_t count) {
     return numbers;
 }
 
-void draw_run(const Request& request) {
+void draw_run(const Request& request, cli::Tool& tool) {
     const RunReader run(request.input);
     const auto turns = static_cast<std::size_t>(request.turntable);
     const bool all = request.frames == "all" || (request.picture.extension() == ".mp4" && turns == 0);
@@ -212,60 +213,65 @@ void draw_run(const Request& request) {
         frames = {static_cast<std::size_t>(request.frames == "first" ? 0 : request.frame < 0 ? last : request.frame)};
         run.frame(frames.front());  // is it there?
     }
-    const Subject subject(run, subject_options(request, run), frames);
+    const Subject subject(run, subject_options(request, run, tool), frames);
     const Framing framing(request);
     std::size_t shown = 0;
-    draw_series(series(request, turns > 0 ? counted(turns)
-                                : all     ? frames
-                                          : std::vector<std::size_t>{}),
-                [&](std::size_t k) {
-                    Picture picture = subject.picture(turns > 0 ? frames.front() : frames[k]);
-                    shown = picture.centres.size();
-                    framing.apply(turns > 0 ? static_cast<double>(k) / static_cast<double>(turns) : 0, picture);
-                    return picture;
-                });
-    cli::report("particles", static_cast<std::int64_t>(run.packing().size()));
-    if (shown > 0) cli::report("particles_shown", static_cast<std::int64_t>(shown));
+    draw_series(
+        series(request, turns > 0 ? counted(turns)
+                        : all     ? frames
+                                  : std::vector<std::size_t>{}),
+        [&](std::size_t k) {
+            Picture picture = subject.picture(turns > 0 ? frames.front() : frames[k]);
+            shown = picture.centres.size();
+            framing.apply(turns > 0 ? static_cast<double>(k) / static_cast<double>(turns) : 0, picture);
+            return picture;
+        },
+        tool.threads(), tool);
+    tool.report("particles", static_cast<std::int64_t>(run.packing().size()));
+    if (shown > 0) tool.report("particles_shown", static_cast<std::int64_t>(shown));
     if (const auto& range = subject.range()) {
-        cli::report("color_low", range->low, subject.unit());
-        cli::report("color_high", range->high, subject.unit());
+        tool.report("color_low", range->low, subject.unit());
+        tool.report("color_high", range->high, subject.unit());
     }
-    cli::report("pictures", static_cast<std::int64_t>(turns > 0 ? turns : frames.size()));
+    tool.report("pictures", static_cast<std::int64_t>(turns > 0 ? turns : frames.size()));
 }
 
-void draw_mesh(const Request& request) {
+void draw_mesh(const Request& request, cli::Tool& tool) {
     for (const char* flag : {"--frame", "--frames", "--color", "--range", "--only-species", "--cut", "--slice",
                              "--arrows", "--objects", "--pores", "--press", "--labels"})
-        if (cli::given(flag)) throw WrongUsage(fmt::format("{} does not go with a mesh", flag));
+        if (tool.given(flag)) throw WrongUsage(fmt::format("{} does not go with a mesh", flag));
     const TriangleMesh mesh = read_mesh(request.input);
     const Framing framing(request);
     const auto turns = static_cast<std::size_t>(request.turntable);
-    draw_series(series(request, counted(turns)), [&](std::size_t k) {
-        Picture picture;
-        picture.surfaces.push_back({mesh, std::vector<Rgb>(mesh.vertices.size(), mesh_colour), 1.0});
-        picture.view = view_of(bounds(mesh.vertices, 0), Cut::none);
-        framing.apply(turns > 0 ? static_cast<double>(k) / static_cast<double>(turns) : 0, picture);
-        return picture;
-    });
-    cli::report("triangles", static_cast<std::int64_t>(mesh.triangles.size()));
+    draw_series(
+        series(request, counted(turns)),
+        [&](std::size_t k) {
+            Picture picture;
+            picture.surfaces.push_back({mesh, std::vector<Rgb>(mesh.vertices.size(), mesh_colour), 1.0});
+            picture.view = view_of(bounds(mesh.vertices, 0), Cut::none);
+            framing.apply(turns > 0 ? static_cast<double>(k) / static_cast<double>(turns) : 0, picture);
+            return picture;
+        },
+        tool.threads(), tool);
+    tool.report("triangles", static_cast<std::int64_t>(mesh.triangles.size()));
 }
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     const auto picture = request.picture.extension(), input = request.input.extension();
     if (picture != ".png" && picture != ".mp4")
         throw WrongUsage(
             fmt::format("picture '{}': the name must end in .png, or in .mp4 for a movie", request.picture.string()));
     const bool mesh = input == ".stl" || input == ".ply";
-    if (picture == ".mp4" && (cli::given("--frame") || request.frames != "last") && request.frames != "all" &&
+    if (picture == ".mp4" && (tool.given("--frame") || request.frames != "last") && request.frames != "all" &&
         request.turntable == 0)
         throw WrongUsage("a movie has all frames; for one frame give a name that ends in .png, or --turntable");
     if (picture == ".mp4" && mesh && request.turntable == 0)
         throw WrongUsage("a movie of a mesh turns around it: give --turntable");
-    check_combination(request);
+    check_combination(request, tool);
     if (mesh)
-        draw_mesh(request);
+        draw_mesh(request, tool);
     else
-        draw_run(request);
+        draw_run(request, tool);
 }
 }  // namespace
 

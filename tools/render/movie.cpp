@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "core/error.hpp"
-#include "core/output_file.hpp"
+#include "core/base/error.hpp"
+#include "core/base/output_file.hpp"
 
 extern char** environ;
 

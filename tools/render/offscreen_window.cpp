@@ -11,8 +11,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/cli.hpp"
-
 namespace tomodem {
 namespace {
 
@@ -26,7 +24,6 @@ class SurfacelessContext {
  public:
     SurfacelessContext() {
         setenv("LIBGL_ALWAYS_SOFTWARE", "1", 0);
-        setenv("LP_NUM_THREADS", std::to_string(cli::threads()).c_str(), 0);
         setenv("EGL_LOG_LEVEL", "fatal", 0);
         setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);  // a tool writes nothing but its output
 
@@ -94,7 +91,8 @@ vtkStandardNewMacro(OffscreenWindow);
 
 }  // namespace
 
-vtkSmartPointer<vtkRenderWindow> offscreen_window(int width, int height) {
+vtkSmartPointer<vtkRenderWindow> offscreen_window(int width, int height, int threads) {
+    setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 0);
     const auto window = vtkSmartPointer<OffscreenWindow>::New();
     window->SetSize(width, height);
     window->SetMultiSamples(0);

@@ -6,10 +6,11 @@ namespace tomodem {
 
 /// A VTK window that exists in memory only: Mesa's software OpenGL through EGL, no X server, no graphics card.
 ///
-/// The same machine-independent rasteriser everywhere unless LIBGL_ALWAYS_SOFTWARE says otherwise; it draws with
-/// cli::threads() threads. One window a process.
+/// The same machine-independent rasteriser everywhere unless LIBGL_ALWAYS_SOFTWARE says otherwise;
+/// One window a process.
 ///
 /// @throws std::runtime_error naming the Debian packages if EGL, or OpenGL 3.2, is not there
-vtkSmartPointer<vtkRenderWindow> offscreen_window(int width, int height);
+/// @param threads  that the rasteriser draws with, unless LP_NUM_THREADS says otherwise
+vtkSmartPointer<vtkRenderWindow> offscreen_window(int width, int height, int threads);
 
 }  // namespace tomodem

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.hpp"
-#include "core/packing.hpp"
+#include "core/mesh/mesh.hpp"
+#include "core/packing/packing.hpp"
 #include "tools/render/colour_map.hpp"
 
 namespace tomodem {

@@ -6,7 +6,7 @@
 #include <array>
 #include <span>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 
 namespace tomodem {
 namespace {

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "core/packing_file.hpp"
+#include "core/packing/packing_file.hpp"
 
 namespace tomodem {
 

@@ -5,21 +5,21 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-#include "core/cli.hpp"
 #include "tools/render/movie.hpp"
 #include "tools/render/studio.hpp"
 
 namespace tomodem {
 
-void draw_series(const Series& series, const std::function<Picture(std::size_t)>& picture) {
+void draw_series(const Series& series, const std::function<Picture(std::size_t)>& picture, int threads,
+                 Reporter& reporter) {
     const std::size_t count = series.numbers.empty() ? 1 : series.numbers.size();
     const bool movie_wanted = series.output.extension() == ".mp4";
-    cli::Progress progress("drawing", static_cast<double>(count));
+    const auto progress = reporter.progress("drawing", static_cast<double>(count));
     std::optional<Studio> studio;
     std::optional<Movie> movie;
     for (std::size_t k = 0; k < count; ++k) {
         const Picture next = picture(k);
-        if (!studio) studio.emplace(next.width, next.height);
+        if (!studio) studio.emplace(next.width, next.height, threads);
         if (movie_wanted && !movie) movie.emplace(series.output, next.width, next.height, series.pictures_per_second);
         const Image image = studio->draw(next);
         if (movie)
@@ -29,7 +29,7 @@ void draw_series(const Series& series, const std::function<Picture(std::size_t)>
         else
             write_png(image, series.output.parent_path() /
                                  fmt::format("{}_{:04}.png", series.output.stem().string(), series.numbers[k]));
-        progress.update(static_cast<double>(k + 1));
+        progress->update(static_cast<double>(k + 1));
     }
     if (movie) movie->commit();
 }

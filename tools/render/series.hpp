@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/base/reporter.hpp"
 #include "tools/render/picture.hpp"
 
 namespace tomodem {
@@ -18,7 +19,8 @@ struct Series {
 /// Several pictures become one movie, or NAME_0000.png and so on, each with its number.
 /// @param picture  called with each place in the series; all of one size
 /// @throws InvalidInput if a file cannot be written, or there is no ffmpeg for a movie
-void draw_series(const Series& series, const std::function<Picture(std::size_t)>& picture);
+void draw_series(const Series& series, const std::function<Picture(std::size_t)>& picture, int threads,
+                 Reporter& reporter);
 
 /// The view turned around z by a share of a whole turn, at a scale that is the same from every side.
 View turned(View view, double share);

@@ -78,11 +78,11 @@ struct Studio::State {
     vtkSmartPointer<vtkRenderWindow> window;
 };
 
-Studio::Studio(int width, int height) : state_(std::make_unique<State>()) {
+Studio::Studio(int width, int height, int threads) : state_(std::make_unique<State>()) {
     state_->width = width;
     state_->height = height;
     vtkOutputWindow::SetInstance(state_->complaints);
-    state_->window = offscreen_window(width * oversampling, height * oversampling);
+    state_->window = offscreen_window(width * oversampling, height * oversampling, threads);
 }
 
 Studio::~Studio() {

@@ -13,7 +13,7 @@ namespace tomodem {
 class Studio {
  public:
     /// @throws std::runtime_error if there is no software OpenGL (offscreen_window)
-    Studio(int width, int height);
+    Studio(int width, int height, int threads);
     ~Studio();
     Studio(const Studio&) = delete;
     Studio& operator=(const Studio&) = delete;

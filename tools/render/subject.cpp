@@ -7,8 +7,8 @@
 #include <numeric>
 #include <set>
 
-#include "core/error.hpp"
-#include "tools/mesh_recon/reconstruction.hpp"
+#include "core/base/error.hpp"
+#include "core/surface/reconstruction.hpp"
 
 namespace tomodem {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/packing_file.hpp"
+#include "core/packing/packing_file.hpp"
 #include "tools/render/appearance.hpp"
 #include "tools/render/picture.hpp"
 #include "tools/render/quantity.hpp"

@@ -1,6 +1,6 @@
 """The house command line for a tool in Python: one declaration, and from it parsing, checks, --help, the reference page.
 
-The texts and the exit status are those of core/cli.hpp: 0 done, 1 failed, 2 wrong usage; one line on stderr.
+The texts and the exit status are those of core/cli/cli.hpp: 0 done, 1 failed, 2 wrong usage; one line on stderr.
 """
 import dataclasses
 import json

@@ -9,8 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/cli.hpp"
-#include "core/volume_parallel.hpp"
+#include "core/base/parallel.hpp"
 
 namespace tomodem {
 namespace {
@@ -313,7 +312,7 @@ double GeometricError::volume_error() const {
     return largest;
 }
 
-std::string GeometricError::json() const {
+nlohmann::ordered_json GeometricError::json() const {
     nlohmann::ordered_json table = nlohmann::ordered_json::array();
     const auto number = [](double value) -> nlohmann::ordered_json {
         return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
@@ -335,7 +334,7 @@ std::string GeometricError::json() const {
         }
         table.push_back(row);
     }
-    return table.dump();
+    return table;
 }
 
 GeometricError geometric_error(const LabelVolume& volume, const Tiling& tiling, const Places& places,
@@ -385,29 +384,29 @@ double largest_volume_error(const std::map<std::int32_t, std::int64_t>& voxels,
     return largest;
 }
 
-void report_geometric_error(const GeometricError& error) {
+void report_geometric_error(const GeometricError& error, Reporter& reporter) {
     for (const auto& label : error.labels) {
         const std::string key = label.label == 0 ? "void" : fmt::format("label_{}", label.label);
-        cli::report("volume_error_" + key, 100 * label.volume_error(), "%");
+        reporter.report("volume_error_" + key, 100 * label.volume_error(), "%");
         if (label.image_surface > 0) {
-            cli::report("image_surface_" + key, label.image_surface, "mm^2");
-            cli::report("sample_surface_" + key, label.sample_surface, "mm^2");
-            cli::report("surface_error_" + key, 100 * label.surface_error(), "%");
+            reporter.report("image_surface_" + key, label.image_surface, "mm^2");
+            reporter.report("sample_surface_" + key, label.sample_surface, "mm^2");
+            reporter.report("surface_error_" + key, 100 * label.surface_error(), "%");
         }
-        if (std::isfinite(label.thinnest)) cli::report("thinnest_feature_" + key, label.thinnest, "particles");
+        if (std::isfinite(label.thinnest)) reporter.report("thinnest_feature_" + key, label.thinnest, "particles");
         constexpr double holds_its_shape = 2.5;
         if (label.label != 0 && label.thinnest < holds_its_shape)
-            cli::warn(
+            reporter.warn(
                 fmt::format("label {} has parts {:.2g} particles thick, which will not keep their shape (2 to 3 are "
                             "needed); use fewer --pixels-per-seed",
                             label.label, label.thinnest));
         if (!error.components_counted) continue;
-        cli::report("components_" + key, label.components.components);
-        cli::report("components_lost_" + key, label.components.lost);
-        cli::report("components_merged_" + key, label.components.merged);
+        reporter.report("components_" + key, label.components.components);
+        reporter.report("components_lost_" + key, label.components.lost);
+        reporter.report("components_merged_" + key, label.components.merged);
     }
-    cli::report("volume_error", 100 * error.volume_error(), "%");
-    cli::report_json("geometric_error", error.json());
+    reporter.report("volume_error", 100 * error.volume_error(), "%");
+    reporter.report_json("geometric_error", error.json());
 }
 
 }  // namespace tomodem

@@ -1,10 +1,12 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
-#include "core/volume.hpp"
+#include "core/base/reporter.hpp"
+#include "core/volume/volume.hpp"
 #include "tools/vol2pack/sample.hpp"
 
 namespace tomodem {
@@ -73,7 +75,7 @@ struct GeometricError {
     /// Largest relative error of the volume of a label of the image.
     double volume_error() const;
     /// As it stands in --json and in the file.
-    std::string json() const;
+    nlohmann::ordered_json json() const;
 };
 
 /// @param regions  of all labels of the image, or nullptr: losses are not counted
@@ -84,6 +86,6 @@ GeometricError geometric_error(const LabelVolume& volume, const Tiling& tiling, 
 double largest_volume_error(const std::map<std::int32_t, std::int64_t>& voxels,
                             const std::map<std::int32_t, std::int64_t>& particles);
 
-void report_geometric_error(const GeometricError& error);
+void report_geometric_error(const GeometricError& error, Reporter& reporter);
 
 }  // namespace tomodem

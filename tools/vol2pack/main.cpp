@@ -2,11 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
-#include "core/cli.hpp"
-#include "core/error.hpp"
-#include "core/packing_file.hpp"
-#include "core/volume_cli.hpp"
+#include "core/base/error.hpp"
+#include "core/cli/cli.hpp"
+#include "core/cli/volume_cli.hpp"
+#include "core/packing/packing_file.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
 #include "tools/vol2pack/phase_clock.hpp"
 #include "tools/vol2pack/phase_report.hpp"
@@ -74,9 +75,9 @@ cli::Usage usage(Request& request) {
     return usage;
 }
 
-LabelFilter filter_of(const Request& request) {
+LabelFilter filter_of(const Request& request, cli::Tool& tool) {
     for (const auto& [flag, filter] : {std::pair{"--box-size", "box"}, {"--smoothing", "level-set"}})
-        if (cli::given(flag) && request.filter != filter)
+        if (tool.given(flag) && request.filter != filter)
             throw WrongUsage(fmt::format("{} belongs to --filter {}", flag, filter));
     const Filter kind = request.filter == "box"       ? Filter::box
                         : request.filter == "nearest" ? Filter::nearest
@@ -99,34 +100,34 @@ std::vector<std::int32_t> labels_with_objects(const Request& request, const Hist
     return labels;
 }
 
-void remove_small(LabelVolume& volume, const Request& request) {
+void remove_small(LabelVolume& volume, const Request& request, cli::Tool& tool) {
     if (request.min_component == 0) return;
     std::vector<std::int32_t> solid;
     for (const auto& [label, voxels] : volume.histogram())
         if (label != 0) solid.push_back(label);
-    cli::report("small_components_removed",
+    tool.report("small_components_removed",
                 remove_small_components(volume, solid, request.min_component, connectivity_of(request)));
 }
 
-double seed_radius_of(const Request& request, const LabelVolume& volume, const Packing& brick) {
+double seed_radius_of(const Request& request, const LabelVolume& volume, const Packing& brick, cli::Tool& tool) {
     const double pixel = volume.spacing()[0];
-    if (cli::given("--pixels-per-seed")) return request.pixels_per_seed * pixel;
+    if (tool.given("--pixels-per-seed")) return request.pixels_per_seed * pixel;
     const double max_error = request.max_error / 100;
     const auto steps = choose_resolution(volume, brick,
                                          {.max_error = max_error,
                                           .pixel = pixel,
-                                          .filter = filter_of(request),
+                                          .filter = filter_of(request, tool),
                                           .random_seed = static_cast<std::uint64_t>(request.random_seed),
                                           .max_particles = request.max_particles,
-                                          .threads = cli::threads()});
-    report_resolution(steps, max_error);
+                                          .threads = tool.threads()});
+    report_resolution(steps, max_error, tool);
     return steps.back().pixels_per_seed * pixel;
 }
 
-void run(const Request& request) {
-    if (!cli::given("--pixels-per-seed") && !cli::given("--max-error"))
+void run(const Request& request, cli::Tool& tool) {
+    if (!tool.given("--pixels-per-seed") && !tool.given("--max-error"))
         throw WrongUsage("give the resolution: --pixels-per-seed, or --max-error");
-    const LabelFilter filter = filter_of(request);
+    const LabelFilter filter = filter_of(request, tool);
     const VolumeOptions volume_request = volume_options(request.volume);
     const auto names =
         request.labels.empty() ? std::map<std::int32_t, std::string>{} : parse_label_names("--labels", request.labels);
@@ -139,7 +140,7 @@ void run(const Request& request) {
 
     PhaseClock clock;
     const Packing brick = read_packing(request.brick);
-    LabelVolume volume = read_label_volume(request.volume.path, volume_request);
+    LabelVolume volume = read_volume(request.volume, volume_request, tool);
     clock.done("reading");
     const Histogram image = species_histogram(volume, label_objects);
     const auto object_labels = labels_with_objects(request, image);
@@ -150,41 +151,41 @@ void run(const Request& request) {
                         "grains --label-objects, else name them by --labels",
                         image.size()));
     check_labels(image, names, object_labels);
-    remove_small(volume, request);
+    remove_small(volume, request, tool);
     const auto regions = tell_regions_apart(volume, object_labels, label_objects, connectivity_of(request),
                                             request.skip_components ? Regions::Of::objects : Regions::Of::everything);
     clock.done("components");
 
-    const double seed_radius = seed_radius_of(request, volume, brick);
+    const double seed_radius = seed_radius_of(request, volume, brick, tool);
     clock.done("resolution");
     const Tiling tiling(brick, seed_radius, {volume.origin(), volume.extent(), {false, false, false}},
                         static_cast<std::uint64_t>(request.random_seed), request.max_particles);
-    Sample sample = sample_volume(volume, tiling, regions ? &*regions : nullptr, filter, cli::threads());
+    Sample sample = sample_volume(volume, tiling, regions ? &*regions : nullptr, filter, tool.threads());
     clock.done("sampling");
 
     for (const auto& [name, file] : properties) {
         sample.packing.property[name] =
-            read_values_at(file, request.volume.path, volume_request, sample.packing.position);
-        cli::add_input(file, volume_files(file));
+            read_values_at(file, request.volume.path, volume_request, sample.packing.position, tool.threads(), tool);
+        tool.add_input(file, volume_files(file));
     }
     clock.done("properties");
 
-    cli::report("particles", static_cast<std::int64_t>(sample.packing.size()));
-    cli::report("seed_radius", sample.packing.seed_radius, "mm");
+    tool.report("particles", static_cast<std::int64_t>(sample.packing.size()));
+    tool.report("seed_radius", sample.packing.seed_radius, "mm");
     const auto phases = compare_phases(image, volume.histogram(), sample, names);
-    report_phases(phases);
-    if (!object_labels.empty() || !label_objects.empty()) report_objects(sample);
+    report_phases(phases, tool);
+    if (!object_labels.empty() || !label_objects.empty()) report_objects(sample, tool);
     check_phases(phases);
     const GeometricError error = geometric_error(
-        volume, tiling, sample.places, regions && !request.skip_components ? &*regions : nullptr, cli::threads());
-    report_geometric_error(error);
+        volume, tiling, sample.places, regions && !request.skip_components ? &*regions : nullptr, tool.threads());
+    report_geometric_error(error, tool);
     clock.done("geometric_error");
 
-    Provenance provenance = cli::provenance();
-    provenance.geometric_error = error.json();
+    Provenance provenance = tool.provenance();
+    provenance.geometric_error = error.json().dump();
     write_packing(sample.packing, request.sample, provenance);
     clock.done("writing");
-    clock.report();
+    clock.report(tool);
 }
 }  // namespace
 

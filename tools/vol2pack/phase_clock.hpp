@@ -1,10 +1,10 @@
 #pragma once
-#include <fmt/format.h>
-
 #include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/cli.hpp"
+#include "core/base/reporter.hpp"
 
 namespace tomodem {
 
@@ -14,14 +14,13 @@ class PhaseClock {
     /// What happened since the last call, or since the clock was made.
     void done(const std::string& phase) {
         const auto now = std::chrono::steady_clock::now();
-        table_ += fmt::format("{}\"{}\": {:.3f}", table_.empty() ? "" : ", ", phase,
-                              std::chrono::duration<double>(now - last_).count());
+        seconds_[phase] = std::round(1e3 * std::chrono::duration<double>(now - last_).count()) / 1e3;
         last_ = now;
     }
-    void report() const { cli::report_json("seconds", "{" + table_ + "}"); }
+    void report(Reporter& reporter) const { reporter.report_json("seconds", seconds_); }
 
  private:
-    std::string table_;
+    nlohmann::ordered_json seconds_ = nlohmann::ordered_json::object();
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 

@@ -7,8 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "core/cli.hpp"
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 
 namespace tomodem {
 namespace {
@@ -95,14 +94,14 @@ void check_phases(const std::vector<Phase>& phases) {
                             called(phase), phase.voxels_used, phase.label));
 }
 
-void report_phases(const std::vector<Phase>& phases) {
+void report_phases(const std::vector<Phase>& phases, Reporter& reporter) {
     nlohmann::ordered_json table = nlohmann::ordered_json::array();
     for (const Phase& phase : phases) {
         const std::string key = phase.label == 0 ? "void" : fmt::format("label_{}", phase.label);
-        if (phase.label != 0) cli::report("particles_" + key, phase.particles);
-        cli::report("sample_fraction_" + key, 100 * phase.sample_fraction, "%");
-        cli::report("image_fraction_" + key, 100 * phase.image_fraction, "%");
-        cli::report("difference_" + key, phase.difference(), "points");
+        if (phase.label != 0) reporter.report("particles_" + key, phase.particles);
+        reporter.report("sample_fraction_" + key, 100 * phase.sample_fraction, "%");
+        reporter.report("image_fraction_" + key, 100 * phase.image_fraction, "%");
+        reporter.report("difference_" + key, phase.difference(), "points");
         table.push_back({{"label", phase.label},
                          {"name", phase.name},
                          {"voxels", phase.voxels},
@@ -111,19 +110,19 @@ void report_phases(const std::vector<Phase>& phases) {
                          {"image_fraction", phase.image_fraction},
                          {"sample_fraction", phase.sample_fraction}});
     }
-    cli::report_json("phases", table.dump());
+    reporter.report_json("phases", table);
 }
 
-void report_objects(const Sample& sample) {
-    cli::report("objects", static_cast<std::int64_t>(sample.object_particles.size()));
-    cli::report("objects_lost", sample.lost_components());
+void report_objects(const Sample& sample, Reporter& reporter) {
+    reporter.report("objects", static_cast<std::int64_t>(sample.object_particles.size()));
+    reporter.report("objects_lost", sample.lost_components());
     if (!sample.object_particles.empty())
-        cli::report("smallest_object",
-                    *std::min_element(sample.object_particles.begin(), sample.object_particles.end()), "particles");
-    cli::report_json("object_numbers", nlohmann::json(sample.object_number).dump());
-    cli::report_json("object_particles", nlohmann::json(sample.object_particles).dump());
+        reporter.report("smallest_object",
+                        *std::min_element(sample.object_particles.begin(), sample.object_particles.end()), "particles");
+    reporter.report_json("object_numbers", sample.object_number);
+    reporter.report_json("object_particles", sample.object_particles);
     if (sample.lost_components() > 0)
-        cli::warn(
+        reporter.warn(
             fmt::format("{} of {} objects of the image are too small to hold a particle and are not in the sample; use "
                         "fewer --pixels-per-seed, or remove them with --min-component",
                         sample.lost_components(), sample.components));

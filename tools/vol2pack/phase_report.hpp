@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/reporter.hpp"
 #include "tools/vol2pack/sample.hpp"
 
 namespace tomodem {
@@ -34,7 +35,7 @@ std::vector<Phase> compare_phases(const std::map<std::int32_t, std::int64_t>& im
 /// @throws InvalidInput naming the first phase of the image that has no particles
 void check_phases(const std::vector<Phase>& phases);
 
-void report_phases(const std::vector<Phase>& phases);
-void report_objects(const Sample& sample);
+void report_phases(const std::vector<Phase>& phases, Reporter& reporter);
+void report_objects(const Sample& sample, Reporter& reporter);
 
 }  // namespace tomodem

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/cli.hpp"
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
 
 namespace tomodem {
@@ -57,15 +56,15 @@ std::vector<ResolutionStep> choose_resolution(const LabelVolume& volume, const P
     return steps;
 }
 
-void report_resolution(const std::vector<ResolutionStep>& steps, double max_error) {
+void report_resolution(const std::vector<ResolutionStep>& steps, double max_error, Reporter& reporter) {
     const ResolutionStep& chosen = steps.back();
-    cli::report("pixels_per_seed", chosen.pixels_per_seed);
-    cli::report("chosen_for_error", 100 * chosen.error, "%");
+    reporter.report("pixels_per_seed", chosen.pixels_per_seed);
+    reporter.report("chosen_for_error", 100 * chosen.error, "%");
     nlohmann::ordered_json table = nlohmann::ordered_json::array();
     for (const ResolutionStep& step : steps)
         table.push_back(
             {{"pixels_per_seed", step.pixels_per_seed}, {"particles", step.particles}, {"error", step.error}});
-    cli::report_json("resolutions_tried", table.dump());
+    reporter.report_json("resolutions_tried", table);
     std::string why =
         fmt::format("{:.3g} pixels per seed: every label keeps its volume within {:.3g} % (asked: {:g} %)",
                     chosen.pixels_per_seed, 100 * chosen.error, 100 * max_error);
@@ -75,7 +74,7 @@ void report_resolution(const std::vector<ResolutionStep>& steps, double max_erro
     } else {
         why += "; coarser ones have too few particles to tell";
     }
-    cli::note(why);
+    reporter.note(why);
 }
 
 }  // namespace tomodem

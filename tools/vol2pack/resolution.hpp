@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/reporter.hpp"
 #include "tools/vol2pack/sample.hpp"
 
 namespace tomodem {
@@ -36,6 +37,6 @@ std::vector<ResolutionStep> choose_resolution(const LabelVolume& volume, const P
                                               const ResolutionOptions& options);
 
 /// What was chosen and why, for the user.
-void report_resolution(const std::vector<ResolutionStep>& steps, double max_error);
+void report_resolution(const std::vector<ResolutionStep>& steps, double max_error, Reporter& reporter);
 
 }  // namespace tomodem

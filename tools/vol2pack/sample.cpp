@@ -7,8 +7,8 @@
 #include <numeric>
 #include <optional>
 
-#include "core/error.hpp"
-#include "core/volume_parallel.hpp"
+#include "core/base/error.hpp"
+#include "core/base/parallel.hpp"
 
 namespace tomodem {
 namespace {

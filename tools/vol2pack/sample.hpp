@@ -3,9 +3,9 @@
 #include <map>
 #include <vector>
 
-#include "core/packing.hpp"
-#include "core/volume.hpp"
-#include "tools/vol2pack/regions.hpp"
+#include "core/packing/packing.hpp"
+#include "core/volume/regions.hpp"
+#include "core/volume/volume.hpp"
 #include "tools/vol2pack/tiling.hpp"
 
 namespace tomodem {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 
 namespace tomodem {
 namespace {

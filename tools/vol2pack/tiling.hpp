@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/packing.hpp"
+#include "core/packing/packing.hpp"
 
 namespace tomodem {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/cli.hpp"
-#include "core/volume_cli.hpp"
+#include "core/cli/cli.hpp"
+#include "core/cli/volume_cli.hpp"
 
 namespace {
 using namespace tomodem;
@@ -26,21 +26,21 @@ cli::Usage usage(Request& request) {
     return usage;
 }
 
-void run(const Request& request) {
-    const LabelVolume volume = read_label_volume(request.volume.path, volume_options(request.volume));
+void run(const Request& request, cli::Tool& tool) {
+    const LabelVolume volume = read_volume(request.volume, volume_options(request.volume), tool);
     const VoxelIndex size = volume.size();
     const Vec3 extent = volume.extent();
     for (int axis = 0; axis < 3; ++axis) {
         const std::string name(1, "xyz"[axis]);
-        cli::report("size_" + name, std::int64_t{size[axis]}, "voxels");
-        cli::report("voxel_size_" + name, 1e3 * volume.spacing()[axis], "um");
-        cli::report("extent_" + name, extent[axis], "mm");
+        tool.report("size_" + name, std::int64_t{size[axis]}, "voxels");
+        tool.report("voxel_size_" + name, 1e3 * volume.spacing()[axis], "um");
+        tool.report("extent_" + name, extent[axis], "mm");
     }
     const auto histogram = volume.histogram();
     constexpr std::size_t most_labels = 16;
     if (histogram.size() > most_labels) {
-        cli::report("label_count", static_cast<std::int64_t>(histogram.size()));
-        cli::warn(
+        tool.report("label_count", static_cast<std::int64_t>(histogram.size()));
+        tool.warn(
             "more than 16 labels: if it is a grey image give --threshold or --otsu (a label image of grains: vol2pack "
             "--label-objects); nothing more is counted");
         return;
@@ -60,11 +60,11 @@ void run(const Request& request) {
             largest = std::max(largest, components.voxels[i]);
         }
         const std::string key = fmt::format("label_{}", label);
-        cli::report("voxels_" + key, voxels);
-        cli::report("fraction_" + key, 100 * static_cast<double>(voxels) / all, "%");
-        cli::report("components_" + key, count);
-        cli::report("large_components_" + key, large);
-        cli::report("largest_component_" + key, largest, "voxels");
+        tool.report("voxels_" + key, voxels);
+        tool.report("fraction_" + key, 100 * static_cast<double>(voxels) / all, "%");
+        tool.report("components_" + key, count);
+        tool.report("large_components_" + key, large);
+        tool.report("largest_component_" + key, largest, "voxels");
         table.push_back({{"label", label},
                          {"voxels", voxels},
                          {"fraction", static_cast<double>(voxels) / all},
@@ -72,7 +72,7 @@ void run(const Request& request) {
                          {"large_components", large},
                          {"largest_component", largest}});
     }
-    cli::report_json("labels", table.dump());
+    tool.report_json("labels", table);
 }
 }  // namespace
 

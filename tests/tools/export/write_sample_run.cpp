@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <string>
 
-#include "core/error.hpp"
-#include "core/packing_file.hpp"
+#include "core/base/error.hpp"
+#include "core/packing/packing_file.hpp"
 
 int main(int argc, char** argv) {
     using namespace tomodem;

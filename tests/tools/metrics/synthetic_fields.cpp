@@ -12,7 +12,7 @@
 #include <numbers>
 #include <string>
 
-#include "core/packing_file.hpp"
+#include "core/packing/packing_file.hpp"
 
 using namespace tomodem;
 

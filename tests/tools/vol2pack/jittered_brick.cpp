@@ -2,8 +2,8 @@
 #include <cmath>
 #include <random>
 
-#include "core/cli.hpp"
-#include "core/packing_file.hpp"
+#include "core/cli/cli.hpp"
+#include "core/packing/packing_file.hpp"
 
 namespace {
 using namespace tomodem;

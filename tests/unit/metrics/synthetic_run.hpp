@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/packing_file.hpp"
+#include "core/packing/packing_file.hpp"
 
 /// Run files with an answer known beforehand.
 namespace tomodem::synthetic {

@@ -11,8 +11,8 @@
 #include <numbers>
 #include <ostream>
 
-#include "core/error.hpp"
-#include "core/structure.hpp"
+#include "core/base/error.hpp"
+#include "core/packing/structure.hpp"
 #include "tests/unit/packgen/packing_measures.hpp"
 #include "tools/packgen/contact_force.hpp"
 

@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/packing.hpp"
+#include "core/packing/packing.hpp"
 
 /// Measures of a cubic periodic packing by all pairs, O(N^2): the oracle of these tests. Lengths in diameters.
 namespace tomodem::packgen {

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tools/phantom/foam.hpp"
 #include "tools/phantom/grains.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "core/scene.hpp"
-#include "core/volume.hpp"
+#include "core/scene/scene.hpp"
+#include "core/volume/volume.hpp"
 
 /// Volumes of 10 um voxels drawn by a rule, and scenes for them.
 namespace tomodem::drawn {

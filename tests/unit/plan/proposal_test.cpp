@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tests/unit/plan/drawn.hpp"
 
 namespace tomodem {

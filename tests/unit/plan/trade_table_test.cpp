@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 
 namespace tomodem {
 namespace {

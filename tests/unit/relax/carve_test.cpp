@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tests/unit/relax/images.hpp"
 #include "tools/packgen/compaction.hpp"
 

@@ -2,7 +2,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/volume.hpp"
+#include "core/volume/volume.hpp"
 
 namespace tomodem {
 

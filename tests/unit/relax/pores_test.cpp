@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tests/unit/relax/images.hpp"
 
 namespace tomodem {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tests/unit/temporary_folder.hpp"
 
 namespace tomodem {

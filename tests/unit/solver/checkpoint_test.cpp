@@ -1,4 +1,4 @@
-#include "solver_plugin/checkpoint.hpp"
+#include "solver_plugin/simulation/checkpoint.hpp"
 
 #include <gmock/gmock.h>
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/load_path.hpp"
-#include "solver_plugin/simulation.hpp"
+#include "core/scene/load_path.hpp"
+#include "solver_plugin/simulation/simulation.hpp"
 
 namespace tomodem {
 namespace {

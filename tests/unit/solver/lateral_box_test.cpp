@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "solver_plugin/simulation.hpp"
+#include "solver_plugin/simulation/simulation.hpp"
 
 namespace tomodem {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/law/pair.hpp"
-#include "solver_plugin/simulation.hpp"
+#include "solver_plugin/simulation/simulation.hpp"
 
 namespace tomodem {
 namespace {

@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 #include <mpi.h>
 
-#include "core/error.hpp"
-#include "core/scene.hpp"
-#include "solver_plugin/guards.hpp"
-#include "solver_plugin/simulation.hpp"
+#include "core/base/error.hpp"
+#include "core/scene/scene.hpp"
+#include "solver_plugin/run/guards.hpp"
+#include "solver_plugin/simulation/simulation.hpp"
 #include "tools/packgen/compaction.hpp"
 
 namespace tomodem {

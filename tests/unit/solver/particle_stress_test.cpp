@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/model.hpp"
-#include "solver_plugin/simulation.hpp"
+#include "core/scene/model.hpp"
+#include "solver_plugin/simulation/simulation.hpp"
 
 namespace tomodem {
 namespace {

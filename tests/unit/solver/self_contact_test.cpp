@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "core/scene.hpp"
-#include "solver_plugin/simulation.hpp"
+#include "core/scene/scene.hpp"
+#include "solver_plugin/simulation/simulation.hpp"
 #include "tools/packgen/compaction.hpp"
 
 namespace tomodem {

@@ -1,13 +1,13 @@
-#include "solver_plugin/solver.hpp"
+#include "solver_plugin/run/solver.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "core/error.hpp"
-#include "core/packing_file.hpp"
-#include "solver_plugin/simulation.hpp"
+#include "core/base/error.hpp"
+#include "core/packing/packing_file.hpp"
+#include "solver_plugin/simulation/simulation.hpp"
 #include "tests/unit/temporary_folder.hpp"
 #include "tools/packgen/compaction.hpp"
 

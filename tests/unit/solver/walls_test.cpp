@@ -4,11 +4,11 @@
 #include <cmath>
 #include <fstream>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "core/law/pair.hpp"
-#include "core/packing_file.hpp"
-#include "solver_plugin/simulation.hpp"
-#include "solver_plugin/solver.hpp"
+#include "core/packing/packing_file.hpp"
+#include "solver_plugin/run/solver.hpp"
+#include "solver_plugin/simulation/simulation.hpp"
 #include "tests/unit/temporary_folder.hpp"
 #include "tools/packgen/compaction.hpp"
 

@@ -226,7 +226,7 @@ TEST(GeometricError, OfAPhaseWithoutParticlesIsAllOfIt) {
     const GeometricError error = geometric_error(volume, tiling, places, nullptr, 1);
     EXPECT_DOUBLE_EQ(error.volume_error(), 1);
     EXPECT_DOUBLE_EQ(largest_volume_error(volume.histogram(), places.count()), 1);
-    const auto table = nlohmann::json::parse(error.json());
+    const auto table = error.json();
     EXPECT_EQ(table.at(1).at("label"), 2);
     EXPECT_DOUBLE_EQ(table.at(1).at("image_fraction"), 1.0 / 8000);
     EXPECT_FALSE(table.at(1).contains("components_lost"));

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
 #include "tools/vol2pack/phase_report.hpp"
 #include "tools/vol2pack/resolution.hpp"

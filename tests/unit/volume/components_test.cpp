@@ -3,7 +3,7 @@
 #include <queue>
 #include <random>
 
-#include "core/volume.hpp"
+#include "core/volume/volume.hpp"
 
 namespace tomodem {
 namespace {

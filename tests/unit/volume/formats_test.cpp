@@ -8,8 +8,8 @@
 #include <cmath>
 #include <functional>
 
-#include "core/error.hpp"
-#include "core/volume.hpp"
+#include "core/base/error.hpp"
+#include "core/volume/volume.hpp"
 #include "tests/unit/temporary_folder.hpp"
 #include "tests/unit/volume/vdb_writer.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "core/volume.hpp"
+#include "core/volume/volume.hpp"
 
 namespace tomodem {
 namespace {

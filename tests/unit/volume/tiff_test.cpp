@@ -4,8 +4,8 @@
 #include <fstream>
 #include <numeric>
 
-#include "core/error.hpp"
-#include "core/volume.hpp"
+#include "core/base/error.hpp"
+#include "core/volume/volume.hpp"
 #include "tests/unit/temporary_folder.hpp"
 
 namespace tomodem {

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/volume_source.hpp"
+#include "core/volume/volume_source.hpp"
 
 namespace tomodem {
 

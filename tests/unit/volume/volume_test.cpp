@@ -1,11 +1,11 @@
-#include "core/volume.hpp"
+#include "core/volume/volume.hpp"
 
 #include <gmock/gmock.h>
 
 #include <functional>
 #include <random>
 
-#include "core/error.hpp"
+#include "core/base/error.hpp"
 
 namespace tomodem {
 namespace {

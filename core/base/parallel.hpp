@@ -1,0 +1,40 @@
+#pragma once
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <limits>
+#include <mutex>
+
+namespace tomodem {
+
+/// Calls body(i) for i = 0 .. count - 1 on up to `threads` threads, in any order.
+///
+/// If calls throw, the exception of the smallest i is thrown again at the end, so that the message does not depend on
+/// the number of threads. (Later items may be left out then, earlier ones never.)
+template <class Body>
+void parallel_for(std::int64_t count, int threads, const Body& body) {
+    std::mutex mutex;
+    std::atomic<std::int64_t> first_failed{std::numeric_limits<std::int64_t>::max()};
+    std::exception_ptr error;
+    const auto work = [&](std::int64_t i) {
+        if (i > first_failed) return;
+        try {
+            body(i);
+        } catch (...) {
+            const std::scoped_lock lock(mutex);
+            if (i < first_failed) {
+                first_failed = i;
+                error = std::current_exception();
+            }
+        }
+    };
+    tbb::task_arena arena(std::max(1, threads));
+    arena.execute([&] { tbb::parallel_for(std::int64_t{0}, count, work); });
+    if (error) std::rethrow_exception(error);
+}
+
+}  // namespace tomodem

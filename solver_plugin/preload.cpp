@@ -1,8 +1,0 @@
-// Preloaded into the stock liggghts executable, this makes its input scripts know model bilin (docs/plain-liggghts.md).
-#include "solver_plugin/registration.hpp"
-
-namespace {
-struct AtLoad {
-    AtLoad() { tomodem::plugin::register_laws(); }
-} at_load;
-}  // namespace

@@ -1,0 +1,137 @@
+#include "solver_plugin/run/guards.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.hpp"
+
+namespace tomodem {
+
+using plugin::Simulation;
+
+namespace {
+
+/// Kinetic energy over N k_rep r_s^2 above which a packing is falling apart (a calm one has 1e-6 or less).
+constexpr double runaway_energy = 0.05;
+/// Elastic energy over N k_rep r_s^2 above which the packing has collapsed: seeds overlap by 0.26 r_s in the mean. At
+/// the upper end of BILIN's rate sensitivity (chi = 41) it is 0.02.
+constexpr double collapse_energy = 0.2;
+
+/// Kinetic energy over that of the flow, NORTON; a sound run has 1.0 to 1.2, with stray particles up to 2.
+constexpr double greatest_heat = 10;
+
+/// Way of a plane in one time step over the crown radius: a particle must see a plane come (thesis: at most a tenth).
+constexpr double plane_way_refused = 0.5;
+constexpr double plane_way_warned = 0.1;
+
+/// Share of the particles that the planes may have passed: the end of a strut that bears a load alone is pressed in
+/// that far, and pushed back out as the wall's force goes on rising behind it.
+constexpr double overrun_share = 1e-3;
+
+/// Ratio of the stiffnesses of two phases up to which the softer one flows as it should (a layer under a hard one: 10
+/// right on four packings, 30 scatters, 100 gives 0.67 to 1.10 of the soft phase alone).
+constexpr double stiffness_ratio_warned = 10;
+
+/// The same way in one natural period. A particle that a plane hits is dug into by 1/(2 pi) of it.
+constexpr double plane_way_in_period_warned = 1;
+
+}  // namespace
+
+double reduced_energy(const Simulation& simulation, double energy, const Model& model) {
+    double stiffest = 0;
+    for (const PhaseModel& phase : model.phases) stiffest = std::max(stiffest, phase.pair.repulsive_stiffness);
+    const double seed_radius = simulation.seed_radius();
+    const double stiffness = stiffest * seed_radius / model.seed_radius;
+    return energy / (static_cast<double>(simulation.initial_particles()) * stiffness * seed_radius * seed_radius);
+}
+
+void refuse_runaway(const Simulation& simulation, double kinetic_energy, const Model& model, const std::string& when) {
+    const std::int64_t lost = simulation.initial_particles() - simulation.particles();
+    if (lost != 0)
+        throw InvalidInput(fmt::format("{} particles were lost {} (step {}); take a smaller strain_per_step", lost,
+                                       when, simulation.step()));
+    // A soft phase can fly apart with less than what a stiff one has at rest.
+    const double energy = std::max(reduced_energy(simulation, kinetic_energy, model), simulation.hottest_phase());
+    if (!(energy < runaway_energy))
+        throw InvalidInput(fmt::format(
+            "the packing falls apart {} (step {}): its kinetic energy is {:.2g} N k_rep r_s^2, above {:g}; take a "
+            "lower rate, a smaller strain_per_step, or a shorter natural_period",
+            when, simulation.step(), energy, runaway_energy));
+}
+
+void refuse_heat(const Simulation& simulation, double kinetic_energy, const std::string& when) {
+    const double flow = simulation.flow_energy();
+    if (flow > 0 && kinetic_energy > greatest_heat * flow)
+        throw InvalidInput(
+            fmt::format("the packing heats up {} (step {}): its kinetic energy is {:.2g} times that of the flow, above "
+                        "{:g}; take a "
+                        "smaller time_step or equilibrium_error",
+                        when, simulation.step(), kinetic_energy / flow, greatest_heat));
+}
+
+void refuse_collapse(const Simulation& simulation, double elastic_energy, const Model& model, const std::string& when) {
+    const auto overrun = simulation.particles_behind_planes();
+    if (static_cast<double>(overrun) > overrun_share * static_cast<double>(simulation.initial_particles()))
+        throw InvalidInput(fmt::format(
+            "the planes have run over {} particles {} (step {}): they are too fast for particles this heavy; take a "
+            "lower rate or a shorter natural_period",
+            overrun, when, simulation.step()));
+    const double energy = reduced_energy(simulation, elastic_energy, model);
+    if (!(energy < collapse_energy))
+        throw InvalidInput(fmt::format(
+            "the packing has collapsed {} (step {}): the elastic energy of its seeds is {:.2g} N k_rep r_s^2, above "
+            "{:g}; is the seed radius of the sample right? Otherwise take a lower rate or a shorter natural_period",
+            when, simulation.step(), energy, collapse_energy));
+}
+
+void warn_of_contrast(const Scene& scene, const Model& model, Reporter& reporter) {
+    if (model.norton || model.phases.empty()) return;
+    const auto [soft, hard] =
+        std::minmax_element(model.phases.begin(), model.phases.end(), [](const PhaseModel& a, const PhaseModel& b) {
+            return a.pair.repulsive_stiffness < b.pair.repulsive_stiffness;
+        });
+    const double ratio = hard->pair.repulsive_stiffness / soft->pair.repulsive_stiffness;
+    if (ratio > stiffness_ratio_warned * (1 + 1e-9))
+        reporter.warn(
+            fmt::format("[phase.{}] is {:.3g} times as stiff as [phase.{}]: above {:g} the stress of the softer one "
+                        "differs by a third and more from packing to packing; take phases of closer stiffness",
+                        scene.phase(hard->label).name, ratio, scene.phase(soft->label).name, stiffness_ratio_warned));
+}
+
+void warn_of_self_contact(const Model& model, Reporter& reporter) {
+    if (model.norton && model.self_contact)
+        reporter.warn(
+            "self_contact does not work under law \"norton\": its packings are loose, contacts inside are taken for "
+            "surfaces that meet, and the sample tears when it is pulled; take law \"trilin\"");
+}
+
+void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample, Reporter& reporter) {
+    if (scene.steps.empty()) return;
+    double low = 1e300, high = -1e300;
+    for (const Vec3& point : sample.position) {
+        low = std::min(low, point[scene.axis]);
+        high = std::max(high, point[scene.axis]);
+    }
+    double highest_strain = 0;
+    for (const LoadStep& step : scene.steps) highest_strain = std::max(highest_strain, step.strain);
+    const double height = (high - low) * model.seed_radius / sample.seed_radius * std::exp(highest_strain);
+    const double speed = 0.5 * scene.highest_rate() * height / model.crown_radius;
+    const double way = speed * model.time_step;
+    const std::string what = fmt::format(
+        "the planes move by {:.2g} crown radii in one time step (critical regime: particles do not see them come)",
+        way);
+    if (way > plane_way_refused)
+        throw InvalidInput(
+            fmt::format("{}, at most {:g}; take a smaller time_step or strain_per_step", what, plane_way_refused));
+    if (way > plane_way_warned) reporter.warn(fmt::format("{}; better below {:g}", what, plane_way_warned));
+    for (const PhaseModel& phase : model.phases)
+        if (speed * phase.natural_period > plane_way_in_period_warned)
+            reporter.warn(fmt::format(
+                "the planes move by {:.2g} crown radii in one natural period of label {} ({:.3g} s): "
+                "its inertia carries the load; better below {:g}",
+                speed * phase.natural_period, phase.label, phase.natural_period, plane_way_in_period_warned));
+}
+
+}  // namespace tomodem

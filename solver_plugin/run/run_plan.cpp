@@ -1,0 +1,66 @@
+#include "solver_plugin/run/run_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "solver_plugin/run/run_curves.hpp"
+
+namespace tomodem {
+namespace {
+
+/// Of stress, in a point of the curves: 20 in a window.
+constexpr int samples_per_point = 2;
+
+/// Steps after which, at the next point of the curves, the solver is set up anew: what a checkpoint can be made of.
+constexpr std::int64_t steps_between_rests = 2000;
+
+}  // namespace
+
+std::vector<PlannedPoint> plan_points(const Scene& scene, const std::vector<LoadSegment>& segments) {
+    const double spacing = scene.averaging_strain / points_per_window;
+    const double frame_spacing = scene.path_length() / static_cast<double>(scene.frames);
+    std::vector<PlannedPoint> plan;
+    double travelled = 0;
+    std::int64_t frames = 0, since_rest = 0;
+    for (std::size_t k = 0; k < segments.size(); ++k) {
+        std::int64_t from = 0;
+        double reached = segments[k].strain;
+        for (const std::int64_t to : segments[k].curve_steps(spacing)) {
+            const double strain = segments[k].strain_at(segments[k].time_step * static_cast<double>(to));
+            travelled += std::abs(strain - reached);
+            reached = strain;
+            PlannedPoint point{k, from, to, travelled};
+            if (travelled >= static_cast<double>(frames + 1) * frame_spacing * (1 - 1e-9)) {
+                point.frame = true;
+                frames = static_cast<std::int64_t>(travelled / frame_spacing * (1 + 1e-9));
+            }
+            since_rest += to - from;
+            point.rest = since_rest >= steps_between_rests;
+            if (point.rest) since_rest = 0;
+            from = to;
+            plan.push_back(point);
+        }
+    }
+    for (std::size_t k = 0; scene.write_stress && k < plan.size(); ++k)
+        for (std::size_t j = k; j < std::min(plan.size(), k + points_per_window); ++j)
+            if (plan[j].frame) {
+                plan[k].sampled = true;
+                break;
+            }
+    return plan;
+}
+
+std::vector<std::int64_t> sample_steps(std::int64_t steps, std::size_t point) {
+    const auto samples = std::min<std::int64_t>(samples_per_point, steps);
+    std::vector<std::int64_t> result;
+    for (std::int64_t k = 0; k < samples; ++k) {
+        const std::int64_t from = steps * k / samples, length = steps * (k + 1) / samples - from;
+        const double place = std::numbers::phi * static_cast<double>(samples * static_cast<std::int64_t>(point) + k);
+        result.push_back(from + 1 +
+                         static_cast<std::int64_t>((place - std::floor(place)) * static_cast<double>(length)));
+    }
+    return result;
+}
+
+}  // namespace tomodem

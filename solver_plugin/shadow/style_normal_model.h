@@ -1,2 +1,0 @@
-// See README.md in this folder.
-#include "solver_plugin/normal_models.h"

@@ -1,0 +1,59 @@
+// equilibrium: how far the forces on the two planes are from cancelling.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "core/base/table.hpp"
+#include "core/cli/cli.hpp"
+#include "tools/metrics/curves/strain_curves.hpp"
+
+namespace {
+using namespace tomodem;
+
+struct Request {
+    std::filesystem::path run, table;
+    double averaging_strain = 0.01;
+    double from = 0.2, to = 0.0;  // to: 0 is the end of the run
+};
+
+cli::Usage usage(Request& request) {
+    return cli::Usage{"equilibrium", "Equilibrium error of a run: |F_top + F_bottom| / mean |F|."}
+        .input("RUN", request.run, "run (.h5)")
+        .output("TABLE", request.table, "curve to write (.csv)")
+        .option("--averaging-strain", request.averaging_strain, cli::Unit::strain, cli::not_negative,
+                "width of the sliding window over which each force is averaged before the two are compared; 0: none")
+        .option("--from", request.from, cli::Unit::strain, cli::not_negative,
+                "|strain| from which the error is averaged, past the transient")
+        .option("--to", request.to, cli::Unit::strain, cli::positive,
+                "|strain| up to which the error is averaged; the largest of the run where not given")
+        .example("equilibrium run.h5 equilibrium.csv --from 0.2 --to 0.3");
+}
+
+void run(const Request& request, cli::Tool& tool) {
+    const StrainCurves forces = averaged_over_strain(
+        read_strain_curves(request.run, {{"force_top", "uN"}, {"force_bottom", "uN"}}), request.averaging_strain);
+    const StrainCurves errors = equilibrium_errors(forces);
+
+    Table table(
+        {"time [s]", "strain [-]", "abs_strain [-]", "force_top [uN]", "force_bottom [uN]", "equilibrium_error [-]"});
+    for (std::size_t i = 0; i < errors.strain.size(); ++i)
+        table.add({errors.time[i], errors.strain[i], std::abs(errors.strain[i]), errors.value.at("force_top")[i],
+                   errors.value.at("force_bottom")[i], errors.value.at("equilibrium_error")[i]});
+
+    const double to = tool.given("--to") ? request.to : largest_strain(forces);
+    const Plateau mean = mean_between(errors, "equilibrium_error", request.from, to);
+    tool.report("points", std::int64_t(table.rows()));
+    tool.report("points_without_force", std::int64_t(forces.strain.size() - errors.strain.size()));
+    tool.report("equilibrium_error", mean.mean);
+    tool.report("equilibrium_error_max", mean.highest);
+    tool.report("abs_strain_from", mean.from);
+    tool.report("abs_strain_to", mean.to);
+    table.write(request.table);
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+    return cli::main(argc, argv, usage, run);
+}

@@ -1,0 +1,68 @@
+// stress_strain: the stress-strain curve of a run, averaged over strain, and its flow stress.
+#include <cmath>
+#include <filesystem>
+
+#include "core/base/table.hpp"
+#include "core/cli/cli.hpp"
+#include "tools/metrics/curves/strain_curves.hpp"
+
+namespace {
+using namespace tomodem;
+
+struct Request {
+    std::filesystem::path run, table;
+    double averaging_strain = 0.01;
+    double at = 0.3, window = 0.05;
+};
+
+cli::Usage usage(Request& request) {
+    return cli::Usage{"stress_strain", "Stress-strain curve of a run, averaged over a window of strain."}
+        .input("RUN", request.run, "run (.h5)")
+        .output("TABLE", request.table, "curve to write (.csv)")
+        .option("--averaging-strain", request.averaging_strain, cli::Unit::strain, cli::not_negative,
+                "width of the sliding window; 0 writes every point as it is")
+        .option("--at", request.at, cli::Unit::strain, cli::positive,
+                "|strain| of the flow stress; where not given, a run that ends before has none")
+        .option("--window", request.window, cli::Unit::strain, cli::positive,
+                "the flow stress is the mean over |strain| within this distance of --at")
+        .example("stress_strain run.h5 curve.csv --averaging-strain 0.01 --at 0.3 --window 0.05");
+}
+
+void run(const Request& request, cli::Tool& tool) {
+    const StrainCurves curves = read_strain_curves(
+        request.run, {{"stress_true", "Pa"}, {"stress_engineering", "Pa"}, {"equilibrium_error", ""}});
+    const StrainCurves averaged = averaged_over_strain(curves, request.averaging_strain);
+
+    Table table({"time [s]", "strain [-]", "abs_strain [-]", "stress_true [Pa]", "abs_stress_true [Pa]",
+                 "stress_engineering [Pa]", "abs_stress_engineering [Pa]", "equilibrium_error [-]"});
+    const auto& stress_true = averaged.value.at("stress_true");
+    const auto& stress_engineering = averaged.value.at("stress_engineering");
+    const auto& equilibrium_error = averaged.value.at("equilibrium_error");
+    for (std::size_t i = 0; i < averaged.strain.size(); ++i)
+        table.add({averaged.time[i], averaged.strain[i], std::abs(averaged.strain[i]), stress_true[i],
+                   std::abs(stress_true[i]), stress_engineering[i], std::abs(stress_engineering[i]),
+                   equilibrium_error[i]});
+
+    const double largest = largest_strain(curves);
+    const bool has_plateau = tool.given("--at") || largest >= request.at - 0.1 * request.window;
+    tool.report("points", std::int64_t(table.rows()));
+    tool.report("largest_abs_strain", largest);
+    if (has_plateau) {
+        const Plateau flow = plateau(curves, "stress_true", request.at, request.window);
+        const Plateau engineering = plateau(curves, "stress_engineering", request.at, request.window);
+        tool.report("flow_stress", flow.mean, "Pa");
+        tool.report("flow_stress_deviation", flow.deviation, "Pa");
+        tool.report("flow_stress_engineering", engineering.mean, "Pa");
+        tool.report("flow_strain_rate", flow.rate, "1/s");
+        tool.report("flow_abs_strain_from", flow.from);
+        tool.report("flow_abs_strain_to", flow.to);
+    } else {
+        tool.note("the run ends before strain " + std::to_string(request.at) + ": no flow stress; choose with --at");
+    }
+    table.write(request.table);
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+    return cli::main(argc, argv, usage, run);
+}

@@ -1,0 +1,164 @@
+// object_shapes: the ellipsoid of every object at every frame of a run.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/base/parallel.hpp"
+#include "core/base/table.hpp"
+#include "core/cli/cli.hpp"
+#include "core/mesh/export_frames.hpp"
+#include "core/packing/packing_file.hpp"
+#include "tools/metrics/curves/strain_curves.hpp"
+#include "tools/metrics/shapes/object_shapes.hpp"
+#include "tools/metrics/shapes/object_volumes.hpp"
+
+namespace {
+using namespace tomodem;
+
+struct Request {
+    std::filesystem::path run, table;
+    std::string frames = "all";
+    std::int64_t min_particles = 20;
+    bool exclude_boundary = false;
+};
+
+cli::Usage usage(Request& request) {
+    return cli::Usage{"object_shapes",
+                      "Centre, volume, ellipsoid of inertia and shape factor of the objects of a run, frame by frame."}
+        .input("RUN", request.run, "run or sample (.h5) whose objects are told apart")
+        .output("TABLE", request.table, "one row for each frame and object, to write (.csv)")
+        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
+        .option("--min-particles", request.min_particles, cli::Unit::particles, {.low = 4},
+                "objects with fewer are left out")
+        .flag("--exclude-boundary", request.exclude_boundary,
+              "leave out objects within one particle diameter of the sample's outer box in the first frame")
+        .threads()
+        .example("object_shapes run.h5 ellipsoids.csv --exclude-boundary")
+        .example("object_shapes run.h5 ellipsoids.csv --frames last --json ellipsoids.json");
+}
+
+/// Empty where nothing is enclosed: the particles are far apart, or in one plane.
+AlphaSurface surface_or_none(const std::vector<Vec3>& position, double seed_radius) {
+    try {
+        return surface_of_all(position, seed_radius);
+    } catch (const InvalidInput&) {
+        return {};
+    }
+}
+
+/// The objects of one frame, in their order.
+struct Measured {
+    std::vector<Shape> shapes;
+    std::vector<ObjectVolume> volumes;
+};
+
+std::vector<Measured> measure(const RunReader& reader, const std::vector<Object>& objects,
+                              const std::vector<std::size_t>& frames, int axis, cli::Tool& tool) {
+    const Packing& packing = reader.packing();
+    const double box_share = packing.box.volume() / double(packing.size());
+    std::vector<Measured> measured(frames.size());
+    const auto progress = tool.progress("frames", double(frames.size()));
+    std::mutex mutex;
+    double done = 0;
+    parallel_for(std::int64_t(frames.size()), tool.threads(), [&](std::int64_t k) {
+        const std::vector<Vec3> position = reader.frame(frames[k]).position;
+        Measured& of_frame = measured[k];
+        of_frame.volumes = object_volumes(surface_or_none(position, packing.seed_radius), objects, box_share);
+        for (std::size_t i = 0; i < objects.size(); ++i) {
+            const std::vector<std::size_t>& members = objects[i].members;
+            of_frame.shapes.push_back(shape_of(mean_of(position, members), of_frame.volumes[i].volume,
+                                               second_moments(position, members), axis));
+        }
+        const std::scoped_lock lock(mutex);
+        progress->update(++done);
+    });
+    for (std::size_t k = 1; k < measured.size(); ++k)
+        for (std::size_t i = 0; i < objects.size(); ++i)
+            follow(measured[k].shapes[i].ellipsoid, measured[k - 1].shapes[i].ellipsoid);
+    return measured;
+}
+
+std::string followed(const Ellipsoid& ellipsoid) {
+    std::string text;
+    for (const int axis : ellipsoid.follows) text += "abc"[axis];
+    return text;
+}
+
+void run(const Request& request, cli::Tool& tool) {
+    const RunReader reader(request.run);
+    const int axis = load_axis(reader, request.run);
+    const std::vector<std::size_t> frames = chosen_frames(request.frames, reader.frame_count());
+    const ChosenObjects chosen = choose_objects(reader.packing(), {.min_particles = std::size_t(request.min_particles),
+                                                                   .exclude_boundary = request.exclude_boundary});
+    const std::vector<Object>& objects = chosen.used;
+    const std::vector<Measured> measured = measure(reader, objects, frames, axis, tool);
+
+    std::vector<std::string> columns{"frame [-]",  "time [s]",    "strain [-]",    "abs_strain [-]",
+                                     "object [-]", "species [-]", "particles [-]", "at_boundary [-]"};
+    for (const std::string& column : shape_columns()) columns.push_back(column);
+    for (const char* column : {"follows [-]", "shape_factor_normalised [-]", "volume_share [-]"})
+        columns.push_back(column);
+    Table table(columns);
+    std::string json;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+        const double strain = frame_strain(reader, frames[k]);
+        for (std::size_t i = 0; i < objects.size(); ++i) {
+            const Object& object = objects[i];
+            const Shape& shape = measured[k].shapes[i];
+            const ShareOf share = measured[k].volumes[i].share;
+            std::vector<Table::Cell> row{std::int64_t(frames[k]),
+                                         reader.frame_time(frames[k]),
+                                         strain,
+                                         std::abs(strain),
+                                         std::int64_t(object.number),
+                                         std::int64_t(object.species),
+                                         std::int64_t(object.members.size()),
+                                         std::int64_t(object.at_boundary)};
+            append_cells(shape, row);
+            row.emplace_back(followed(shape.ellipsoid));
+            row.emplace_back(shape.shape_factor / measured[0].shapes[i].shape_factor);
+            row.emplace_back(name_of(share));
+            table.add(std::move(row));
+            json += fmt::format(R"({}{{"frame":{},"strain":{},"object":{},"species":{},"particles":{},)"
+                                R"("at_boundary":{},{},"follows":"{}","volume_share":"{}"}})",
+                                json.empty() ? "" : ",", frames[k], strain, object.number, object.species,
+                                object.members.size(), object.at_boundary, shape_json(shape), followed(shape.ellipsoid),
+                                name_of(share));
+        }
+    }
+    table.write(request.table);
+
+    const auto mean = [&](const Measured& of_frame) {
+        std::vector<double> factors, weights;
+        for (std::size_t i = 0; i < objects.size(); ++i) {
+            factors.push_back(of_frame.shapes[i].shape_factor);
+            weights.push_back(double(objects[i].members.size()));
+        }
+        return weighted_spread(factors, weights).mean;
+    };
+    const auto volume = [&](const Measured& of_frame) {
+        double sum = 0.0;
+        for (const ObjectVolume& of_object : of_frame.volumes) sum += of_object.volume;
+        return sum;
+    };
+    tool.report("frames", std::int64_t(frames.size()));
+    tool.report("objects_used", std::int64_t(objects.size()));
+    tool.report("objects_too_small", std::int64_t(chosen.too_small));
+    if (request.exclude_boundary) tool.report("objects_at_boundary", std::int64_t(chosen.at_boundary));
+    tool.report("shape_factor_first", mean(measured.front()));
+    tool.report("shape_factor_last", mean(measured.back()));
+    tool.report("volume_first", volume(measured.front()), "mm^3");
+    tool.report("volume_last", volume(measured.back()), "mm^3");
+    tool.report_json("shapes", nlohmann::ordered_json::parse("[" + json + "]"));
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+    return cli::main(argc, argv, usage, run);
+}

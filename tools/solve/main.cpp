@@ -1,0 +1,147 @@
+// solve: press a sample as a scene says, on LIGGGHTS, and write its frames and curves.
+#include "solver_plugin/run/solver.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/cli/cli.hpp"
+#include "core/packing/packing_file.hpp"
+#include "core/scene/expected_flow.hpp"
+#include "solver_plugin/run/explain.hpp"
+#include "solver_plugin/run/mpi_tool.hpp"
+
+namespace {
+
+using namespace tomodem;
+
+/// Of the mean over the second half of the path: above, the curves say more of inertia than of the material.
+constexpr double large_equilibrium_error = 0.1;
+
+struct Request {
+    std::filesystem::path sample, scene, run;
+    RunControl control;
+    bool explain = false;
+};
+
+cli::Usage usage(Request& request) {
+    return cli::Usage("solve", "Press a sample of particles as a scene says, and write its frames and curves.")
+        .input("SAMPLE", request.sample, "sample of particles (.h5), relaxed first if it is not")
+        .input("SCENE", request.scene, "what the sample is made of and what is done to it (.toml)")
+        .output("RUN", request.run, "frames and curves to write (.h5)")
+        .flag("--resume", request.control.resume,
+              "go on from RUN.checkpoint, which an interrupted run has left; without one, start from the beginning")
+        .option("--checkpoint-every", request.control.checkpoint_minutes, cli::Unit::none, cli::not_negative,
+                "minutes of wall time between two checkpoints; 0: none at all")
+        .flag("--explain", request.explain,
+              "check the scene and say what it switches on, how many steps it takes, and, from two seconds of it on "
+              "this machine, how long and how much memory; RUN is not written")
+        .example("solve relaxed.h5 scene.toml run.h5")
+        .example("solve relaxed.h5 scene.toml run.h5 --explain")
+        .example("solve relaxed.h5 scene.toml run.h5 --resume")
+        .example("mpirun -np 2 solve relaxed.h5 scene.toml run.h5 --json run.json");
+}
+
+/// What the calibration promises of each phase that is given by norton; warns outside of what it was measured on.
+void report(const Scene& scene, const std::vector<ExpectedFlow>& flows, cli::Tool& tool) {
+    if (flows.empty()) return;
+    tool.report("calibration", scene.calibration ? scene.flow_table().name : "shipped, " + scene.flow_table().name);
+    auto rows = nlohmann::ordered_json::array();
+    for (const ExpectedFlow& one : flows) {
+        if (!one.outside.empty())
+            tool.note(
+                fmt::format("[phase.{}] is outside its calibration: {}", one.phase, fmt::join(one.outside, "; ")));
+        tool.report(
+            "expected_flow_" + one.phase,
+            fmt::format("{:.4g} MPa within {:.0f} % (packings {:.1f}, rates {:.1f}, size {:.1f}, time step {:.1f}), "
+                        "{:.3g} to {:.3g} /s, strain {:g} to {:g}{}",
+                        one.stress / 1e6, 100 * one.error, 100 * one.packings, 100 * one.rates, 100 * one.size,
+                        100 * one.time_step, one.rate[0], one.rate[1], one.strain[0], one.strain[1],
+                        one.outside.empty() ? "" : "; this scene is outside"));
+        rows.push_back({{"phase", one.phase},
+                        {"label", one.label},
+                        {"stress", one.stress},
+                        {"error", one.error},
+                        {"error_packings", one.packings},
+                        {"error_rates", one.rates},
+                        {"error_size", one.size},
+                        {"error_time_step", one.time_step},
+                        {"rate_from", one.rate[0]},
+                        {"rate_to", one.rate[1]},
+                        {"strain_from", one.strain[0]},
+                        {"strain_to", one.strain[1]},
+                        {"outside", one.outside}});
+    }
+    tool.report_json("expected_flow", rows);
+}
+
+void report(const Explanation& found, cli::Tool& tool) {
+    for (const Ingredient& one : found.ingredients)
+        tool.report(one.name, fmt::format("{}: {}", one.on ? "on" : "off", one.why));
+    tool.report("particles", found.particles);
+    tool.report("processes", static_cast<std::int64_t>(found.processes));
+    tool.report("time_step", found.time_step, "s");
+    tool.report("time_step_reason", found.time_step_reason);
+    tool.report("steps", found.steps);
+    tool.report("seconds_per_particle_step", found.seconds_per_particle_step, "s");
+    tool.report("predicted_wall_seconds", found.wall_seconds, "s");
+    tool.report("predicted_peak_bytes", found.peak_bytes, "B");
+}
+
+void run(const Request& request, cli::Tool& tool) {
+    const Scene scene = read_scene(request.scene);
+    Packing sample = read_sample(request.sample);
+    if (request.explain) {
+        const Explanation found = explain(sample, scene, MPI_COMM_WORLD, tool);
+        report(found, tool);
+        report(scene, found.flows, tool);
+        return;
+    }
+    Provenance provenance = tool.provenance();
+    provenance.scene = scene.text;
+    for (const Wall& wall : scene.walls)  // one that is not there is told with its line, later
+        if (std::filesystem::exists(wall.surface))
+            provenance.inputs[wall.surface.string()] = content_digest(wall.surface);
+    if (!scene.calibration_file.empty())
+        provenance.inputs[scene.calibration_file.string()] = content_digest(scene.calibration_file);
+    if (request.control.resume && is_complete(request.run, provenance)) {
+        tool.note(fmt::format("'{}' is complete: nothing to do", request.run.string()));
+        return;
+    }
+    const std::vector<ExpectedFlow> flows =
+        expected_flows(scene, static_cast<std::int64_t>(sample.size()), compile_model(scene, sample));
+    report(scene, flows, tool);
+    const RunResult result =
+        solve(std::move(sample), scene, request.run, provenance, MPI_COMM_WORLD, request.control, tool);
+    tool.report("particles", result.particles);
+    tool.report("particles_lost", result.particles_lost);
+    tool.report("time_step", result.time_step, "s");
+    tool.report("steps", result.cost.steps);
+    tool.report("final_strain", result.final_strain);
+    if (!scene.duration) {
+        tool.report("final_stress", result.final_stress, "Pa");
+        tool.report("mean_equilibrium_error", result.mean_equilibrium_error);
+    }
+    if (!scene.duration && result.mean_equilibrium_error > large_equilibrium_error)
+        tool.note(
+            fmt::format("the forces of the two planes differ by {:.0f} %: inertia or too few particles carry the "
+                        "load; take {} or more particles",
+                        100 * result.mean_equilibrium_error,
+                        scene.phases.front().law == Law::norton ? "a smaller equilibrium_error"
+                                                                : "a lower rate, a smaller strain_per_step"));
+    tool.report("processes", static_cast<std::int64_t>(result.cost.processes));
+    tool.report("neighbour_builds", result.cost.neighbour_builds);
+    if (result.predicted_wall_seconds > 0) tool.report("predicted_wall_seconds", result.predicted_wall_seconds, "s");
+    tool.report("wall_seconds", result.cost.wall_seconds, "s");
+    tool.report("cpu_seconds", result.cost.cpu_seconds, "s");
+    tool.report("seconds_per_particle_step",
+                result.cost.cpu_seconds / (static_cast<double>(result.particles) * result.cost.steps), "s");
+    tool.report("peak_bytes", result.cost.peak_bytes, "B");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return mpi_main(argc, argv, usage, run);
+}
