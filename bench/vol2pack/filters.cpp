@@ -83,7 +83,7 @@ struct Outcome {
     int lost = 0;
 };
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     std::vector<Packing> bricks;
     for (const auto& path : request.bricks) bricks.push_back(read_packing(path));
     std::vector<std::pair<std::string, LabelFilter>> filters{{"nearest", {}}};
@@ -125,15 +125,15 @@ void run(const Request& request) {
                     }();
                     const double true_volume = rod ? double(volume.histogram()[2]) : 4 * pi / 3 * std::pow(radius, 3);
                     const double true_surface =
-                        rod ? measure_image(volume, 1, cli::threads()).label[2].surface : 4 * pi * radius * radius;
+                        rod ? measure_image(volume, 1, tool.threads()).label[2].surface : 4 * pi * radius * radius;
                     for (std::size_t f = 0; f <= filters.size(); ++f) {
                         const Places places =
                             f == 0 ? exact
-                                   : label_places(volume, tiling, nullptr, filters[f - 1].second, cli::threads());
+                                   : label_places(volume, tiling, nullptr, filters[f - 1].second, tool.threads());
                         Outcome& outcome = outcomes[f];
                         const auto count = places.count();
                         const double held = count.contains(2) ? double(count.at(2)) : 0;
-                        auto surfaces = particle_surfaces(tiling, places, needles, cli::threads());
+                        auto surfaces = particle_surfaces(tiling, places, needles, tool.threads());
                         std::int64_t wrong = 0;
                         for (std::size_t i = 0; i < places.label.size(); ++i)
                             wrong += places.label[i] >= 0 && places.label[i] != exact.label[i];

@@ -4,20 +4,21 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
+#include <thread>
 
-#include "core/cli/cli.hpp"
 #include "core/volume/volume.hpp"
 
 int main(int argc, char** argv) {
     using namespace tomodem;
     if (argc < 2) return 2;
-    cli::silence();
     VolumeOptions options;
     options.voxel_size = Vec3(1e-3, 1e-3, 0);
     if (argc > 2) options.thresholds = {std::stod(argv[2])};
     const auto start = std::chrono::steady_clock::now();
-    const LabelVolume volume = read_label_volume(argv[1], options);
+    const int threads = std::max(1u, std::thread::hardware_concurrency());
+    const LabelVolume volume = read_image(argv[1], options, threads, silent_reporter()).volume;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     rusage own{};
     getrusage(RUSAGE_SELF, &own);

@@ -20,7 +20,7 @@ cli::Usage usage(Request& request) {
     return usage;
 }
 
-void run(const Request& request) {
+void run(const Request& request, cli::Tool& tool) {
     Packing brick;
     brick.seed_radius = 0.5;
     // The density of a random packing, D = 0.7.
@@ -35,7 +35,7 @@ void run(const Request& request) {
                 brick.position.push_back(spacing * (Vec3(x, y, z) + Vec3(jitter(), jitter(), jitter())));
     brick.species.assign(brick.size(), 1);
     for (std::size_t i = 0; i < brick.size(); ++i) brick.id.push_back(static_cast<std::int64_t>(i + 1));
-    write_packing(brick, request.brick, cli::provenance());
+    write_packing(brick, request.brick, tool.provenance());
 }
 }  // namespace
 
