@@ -1,7 +1,7 @@
 // bench_packgen [PARTICLES ...]: time of a packing on one and two threads, and with the baseline instruction set.
 //
-// Each row's runs follow one another within a minute and are compared to each other only, as machines are noisy. CPU
-// time tells a busy machine (much less than threads x time) from work that does not scale.
+// The runs of a row follow one another within a minute and are compared to each other only, as machines are noisy. A
+// CPU time much below threads x time shows that the machine was busy, not that the work does not scale.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>

@@ -1,41 +1,19 @@
 #include "core/base/provenance.hpp"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
 #include <algorithm>
 #include <fstream>
-#include <memory>
+#include <span>
 #include <system_error>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/sha256.hpp"
 
 namespace tomodem {
 namespace fs = std::filesystem;
 namespace {
-
-class Sha256 {
- public:
-    Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
-        if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1)
-            throw std::runtime_error("OpenSSL offers no SHA-256");
-    }
-    void add(const void* data, std::size_t size) {
-        if (EVP_DigestUpdate(context_.get(), data, size) != 1) throw std::runtime_error("OpenSSL's SHA-256 failed");
-    }
-    std::string hexadecimal() {
-        unsigned char bytes[EVP_MAX_MD_SIZE];
-        unsigned int size = 0;
-        if (EVP_DigestFinal_ex(context_.get(), bytes, &size) != 1) throw std::runtime_error("OpenSSL's SHA-256 failed");
-        std::string text;
-        for (unsigned int i = 0; i < size; ++i) text += fmt::format("{:02x}", bytes[i]);
-        return text;
-    }
-
- private:
-    std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
-};
 
 std::string file_digest(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -44,7 +22,7 @@ std::string file_digest(const fs::path& path) {
     std::vector<char> buffer(std::size_t{1} << 20);
     do {
         file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-        digest.add(buffer.data(), static_cast<std::size_t>(file.gcount()));
+        digest.add(std::as_bytes(std::span(buffer).first(static_cast<std::size_t>(file.gcount()))));
     } while (file);
     if (file.bad()) throw InvalidInput(fmt::format("cannot read '{}': reading failed part way", path.string()));
     return digest.hexadecimal();
@@ -53,10 +31,8 @@ std::string file_digest(const fs::path& path) {
 std::string digest_of_all(const std::vector<fs::path>& files) {
     Sha256 digest;
     for (const fs::path& file : files) {
-        const std::string name = file.filename().string();
-        digest.add(name.c_str(), name.size() + 1);  // with its zero, which no name contains
-        const std::string content = file_digest(file);
-        digest.add(content.data(), content.size());
+        digest.add_all(file.filename().string() + '\0');  // which no name contains
+        digest.add_all(file_digest(file));
     }
     return digest.hexadecimal();
 }

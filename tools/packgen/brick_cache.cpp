@@ -2,34 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <bit>
+#include <array>
 #include <cstdlib>
 #include <exception>
-#include <span>
 
 #include "core/base/output_file.hpp"
+#include "core/base/sha256.hpp"
 #include "core/packing/packing_file.hpp"
 #include "core/packing/run_file.hpp"
 
 namespace tomodem::packgen {
 namespace fs = std::filesystem;
 namespace {
-
-/// FNV-1a.
-class Hash {
- public:
-    void add(std::span<const std::byte> bytes) {
-        for (const std::byte byte : bytes) value_ = (value_ ^ std::to_integer<std::uint64_t>(byte)) * 0x100000001b3ULL;
-    }
-    template <class T>
-    void add_all(const std::vector<T>& values) {
-        add(std::as_bytes(std::span(values)));
-    }
-    std::string text() const { return fmt::format("{:016x}", value_); }
-
- private:
-    std::uint64_t value_ = 0xcbf29ce484222325ULL;
-};
 
 /// Everything that determines the particles.
 std::string key(const Compaction& wanted) {
@@ -51,11 +35,11 @@ constexpr const char* load_name = "load";
 
 std::string checksum(const CompactedPacking& made) {
     const Packing& packing = made.packing;
-    Hash hash;
-    hash.add(std::as_bytes(std::span(packing.position.front().data(), 3 * packing.size())));
-    hash.add_all(packing.radius);
-    hash.add_all(packing.id);
-    hash.add_all(packing.species);
+    Sha256 digest;
+    digest.add_all(packing.position);
+    digest.add_all(packing.radius);
+    digest.add_all(packing.id);
+    digest.add_all(packing.species);
     const std::array<double, 12> rest{
         packing.box.origin.x(),
         packing.box.origin.y(),
@@ -69,8 +53,8 @@ std::string checksum(const CompactedPacking& made) {
         static_cast<double>(made.steps),
         static_cast<double>(packing.box.periodic[0] + 2 * packing.box.periodic[1] + 4 * packing.box.periodic[2]),
         static_cast<double>(packing.relaxed)};
-    hash.add(std::as_bytes(std::span(rest)));
-    return hash.text();
+    digest.add_all(rest);
+    return digest.hexadecimal();
 }
 
 }  // namespace
@@ -84,10 +68,9 @@ fs::path BrickCache::users_folder() {
 }
 
 fs::path BrickCache::path_of(const Compaction& wanted) const {
-    const std::string text = key(wanted);
-    Hash hash;
-    hash.add(std::as_bytes(std::span(text)));
-    return folder_ / (hash.text() + ".h5");
+    Sha256 digest;
+    digest.add_all(key(wanted));
+    return folder_ / (digest.hexadecimal() + ".h5");
 }
 
 std::optional<CompactedPacking> BrickCache::find(const Compaction& wanted) const {

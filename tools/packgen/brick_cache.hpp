@@ -9,8 +9,8 @@ namespace tomodem::packgen {
 /// Changes whenever the same Compaction gives other particles: bricks kept before are not used then.
 inline constexpr int algorithm_version = 1;
 
-/// Bricks that were made once, kept in a folder, one file each. The name of a file is a hash of everything that
-/// determines the particles; the file holds that text, and a checksum of the particles.
+/// Bricks that were made once, kept in a folder, one file each. The name of a file is the SHA-256 of a text of
+/// everything that determines the particles; the file holds that text, and the SHA-256 of the particles.
 class BrickCache {
  public:
     /// An empty path: keeps and finds nothing.

@@ -19,9 +19,9 @@ struct BrickStructure {
 inline constexpr double solid_like_product = 0.7;
 inline constexpr int solid_like_connections = 7;
 
-/// @param packing  box with walls along the axes that are not periodic; particles at a wall lack neighbours, so they
-/// count
-///                 as not crystalline, and g(r) is that of the region that centres can reach
+/// @param packing  has walls along the axes that are not periodic; particles at a wall lack neighbours, so they count
+/// as
+///                 not crystalline, and g(r) is that of the region that centres can reach
 BrickStructure structure_of(const Packing& packing, int threads = 1);
 
 }  // namespace tomodem::packgen

@@ -32,7 +32,7 @@ struct NeighbourBlocks {
     const std::uint8_t* at_boundary;   ///< [count] 1: a neighbour may be a periodic image
 };
 
-/// What the step control needs to know of one chunk.
+/// Sums over the particles of a chunk, for the control of the time step.
 struct ForceSums {
     double force_velocity = 0.0;  ///< sum of F . u
     double force_squared = 0.0;

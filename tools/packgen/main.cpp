@@ -1,6 +1,4 @@
-// packgen: a random dense packing of spheres, the brick that vol2pack masks with an image.
-#include <fmt/format.h>
-
+// packgen: a random dense packing of spheres, the brick that vol2pack cuts a sample from.
 #include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
@@ -12,8 +10,8 @@
 #include "tools/packgen/brick_structure.hpp"
 #include "tools/packgen/compaction.hpp"
 
+namespace tomodem::packgen {
 namespace {
-using namespace tomodem;
 
 struct Request {
     std::filesystem::path packing;
@@ -27,24 +25,26 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage("packgen", "Make a random dense packing of spheres by compaction of random points.")
-        .output("packing", request.packing, "packing to write (.h5)")
-        .required("--particles", request.particles, cli::Unit::particles, {1, 1e9}, "number of spheres")
-        .required(
-            "--density", request.density, cli::Unit::none, {packgen::lowest_density, packgen::highest_density},
-            "D, volume of the spheres over that of the box: N pi d^3 / (6 V), d = 2 r_s, for equal ones; random close "
-            "packing is 0.64, more makes spheres overlap")
+    return cli::Usage("packgen", "Make a random dense packing of spheres: the brick that vol2pack cuts a sample from.")
+        .output("BRICK", request.packing, "Packing to write.", {".h5"})
+        .required("--particles", request.particles, cli::Unit::particles, {1, 1e9}, "Number of spheres.")
+        .required("--density", request.density, cli::Unit::none, {lowest_density, highest_density},
+                  "Volume of the spheres, overlaps counted twice, over that of the box. Random close packing of equal "
+                  "spheres is 0.64; at a higher density they overlap more.")
         .option("--seed-radius", request.seed_radius, cli::Unit::length, cli::positive,
-                "radius r_s of the spheres, or their mean")
-        .option("--dispersion", request.dispersion, cli::Unit::percent, {0, 100 * packgen::highest_dispersion},
-                "standard deviation of the radii over their mean, of a normal distribution cut at three of them")
-        .option("--aspect", request.aspect, "edges of the box in proportion, x:y:z, such as 1:1:10")
+                "Radius of the spheres; their mean radius with --dispersion.")
+        .option("--dispersion", request.dispersion, cli::Unit::percent, {0, 100 * highest_dispersion},
+                "Standard deviation of the radii over their mean. Radii are normally distributed, up to three standard "
+                "deviations from the mean.")
+        .option("--aspect", request.aspect, "Proportions of the edges of the box as x:y:z, such as 1:1:10.")
         .option("--periodic", request.periodic,
-                "axes along which the packing repeats, such as xy, or none; along the others flat walls hold it")
+                "Axes along which the packing is periodic, such as xy, or none. Flat walls hold it along the others.")
         .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,
-                "the same number gives the same packing")
+                "Seed of the random numbers. The same seed gives the same packing.")
         .flag("--no-cache", request.no_cache,
-              "make it even if it was made before, and do not keep it (in $XDG_CACHE_HOME/tomodem or ~/.cache/tomodem)")
+              "Do not use the cache of packings ($XDG_CACHE_HOME/tomodem, or ~/.cache/tomodem). Without this option, a "
+              "packing made before with the same options is taken from it.")
+        .step(cli::Step::sample)
         .threads()
         .example("packgen brick.h5 --particles 20000 --density 0.70");
 }
@@ -75,16 +75,13 @@ std::array<bool, 3> periodic_of(const std::string& text) {
     return periodic;
 }
 
-/// The table of g(r) as JSON.
-std::string as_json(const RadialDistribution& distribution, double diameter) {
+nlohmann::ordered_json as_json(const RadialDistribution& distribution, double diameter) {
     std::vector<double> radii;
     for (std::size_t k = 0; k < distribution.g.size(); ++k) radii.push_back(distribution.radius(k) / diameter);
-    return fmt::format(R"({{"r_unit":"d","r":[{:.6g}],"g":[{:.6g}]}})", fmt::join(radii, ","),
-                       fmt::join(distribution.g, ","));
+    return {{"r_unit", "d"}, {"r", radii}, {"g", distribution.g}};
 }
 
-void report_structure(const packgen::BrickStructure& structure, double diameter, std::size_t particles,
-                      cli::Tool& tool) {
+void report_structure(const BrickStructure& structure, double diameter, std::size_t particles, cli::Tool& tool) {
     const ContactStatistics& contacts = structure.contacts;
     tool.report("max_overlap", contacts.max_overlap, "d");
     tool.report("mean_overlap", contacts.mean_overlap, "d");
@@ -100,24 +97,24 @@ void report_structure(const packgen::BrickStructure& structure, double diameter,
     tool.report("mean_q6", structure.mean_q6);
     tool.report("global_q6", structure.global_q6);
     tool.report("bond_cutoff", structure.bond_cutoff / diameter, "d");
-    tool.report_json("radial_distribution", nlohmann::ordered_json::parse(as_json(structure.distribution, diameter)));
+    tool.report_json("radial_distribution", as_json(structure.distribution, diameter));
 }
 
 void run(const Request& request, cli::Tool& tool) {
     const auto progress = tool.progress("compaction", 1.0);
-    const packgen::Compaction wanted{.particles = request.particles,
-                                     .density = request.density,
-                                     .seed_radius = request.seed_radius,
-                                     .dispersion = request.dispersion / 100.0,
-                                     .aspect = aspect_of(request.aspect),
-                                     .periodic = periodic_of(request.periodic),
-                                     .random_seed = request.random_seed,
-                                     .threads = tool.threads(),
-                                     .progress = [&](double done) { progress->update(done); }};
-    const packgen::BrickCache cache(request.no_cache ? std::filesystem::path{} : packgen::BrickCache::users_folder());
-    const std::optional<packgen::CompactedPacking> kept = cache.find(wanted);
-    const packgen::CompactedPacking made = kept ? *kept : packgen::compact(wanted);
-    if (!kept) cache.keep(wanted, made);
+    const Compaction wanted{.particles = request.particles,
+                            .density = request.density,
+                            .seed_radius = request.seed_radius,
+                            .dispersion = request.dispersion / 100.0,
+                            .aspect = aspect_of(request.aspect),
+                            .periodic = periodic_of(request.periodic),
+                            .random_seed = request.random_seed,
+                            .threads = tool.threads(),
+                            .progress = [&](double done) { progress->update(done); }};
+    const BrickCache cache(request.no_cache ? std::filesystem::path{} : BrickCache::users_folder());
+    const std::optional<CompactedPacking> cached = cache.find(wanted);
+    const CompactedPacking made = cached ? *cached : compact(wanted);
+    if (!cached) cache.keep(wanted, made);
     const Packing& packing = made.packing;
     write_packing(packing, request.packing, tool.provenance());
     tool.report("particles", request.particles);
@@ -133,11 +130,12 @@ void run(const Request& request, cli::Tool& tool) {
     tool.report("steps", made.steps);
     tool.report("residual", made.residual, "k d");
     tool.report("load", made.load, "k d");
-    report_structure(packgen::structure_of(packing, tool.threads()), 2.0 * packing.seed_radius, packing.size(), tool);
-    tool.report("from_cache", std::int64_t{kept.has_value()});
+    report_structure(structure_of(packing, tool.threads()), 2.0 * packing.seed_radius, packing.size(), tool);
+    tool.report("from_cache", std::int64_t{cached.has_value()});
 }
 }  // namespace
+}  // namespace tomodem::packgen
 
 int main(int argc, char** argv) {
-    return cli::main(argc, argv, usage, run);
+    return tomodem::cli::main(argc, argv, tomodem::packgen::usage, tomodem::packgen::run);
 }

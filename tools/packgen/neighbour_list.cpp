@@ -19,7 +19,7 @@ int cell_coordinate(double s, int cells, double edge) {
 
 }  // namespace
 
-void NeighbourList::build(std::vector<Row>& position, std::vector<Row>& travellers, double cutoff, ThreadTeam& team,
+void NeighbourList::build(std::vector<Row>& position, std::vector<Row>& attached, double cutoff, ThreadTeam& team,
                           const Region& region, double diameter, double skin) {
     cutoff_ = cutoff;
     region_ = region;
@@ -33,7 +33,7 @@ void NeighbourList::build(std::vector<Row>& position, std::vector<Row>& travelle
         cells_[axis] = static_cast<int>(std::max(1.0, std::min(edge / cutoff, std::ceil(edge * one_each))));
         if (region.periodic[axis] && cells_[axis] < 3) cells_[axis] = 1;
     }
-    sort_by_cell(position, travellers, team);
+    sort_by_cell(position, attached, team);
     chunks_.resize((particles + chunk_size - 1) / chunk_size);
     team.for_each(chunks_.size(), [&](std::size_t k) {
         const std::size_t first = k * chunk_size;
@@ -46,7 +46,7 @@ NeighbourBlocks NeighbourList::chunk(std::size_t chunk) const {
     return {c.entries.data(), c.first_block.data(), c.at_boundary.data()};
 }
 
-void NeighbourList::sort_by_cell(std::vector<Row>& position, std::vector<Row>& travellers, ThreadTeam& team) {
+void NeighbourList::sort_by_cell(std::vector<Row>& position, std::vector<Row>& attached, ThreadTeam& team) {
     const std::size_t particles = position.size();
     cell_of_.resize(particles);
     order_.resize(particles);
@@ -76,13 +76,13 @@ void NeighbourList::sort_by_cell(std::vector<Row>& position, std::vector<Row>& t
         order_[static_cast<std::size_t>(cell_start_[cell_of_[i]]++)] = static_cast<std::int32_t>(i);
     for (std::size_t c = cell_start_.size() - 1; c > 0; --c) cell_start_[c] = cell_start_[c - 1];
     cell_start_[0] = 0;
-    for (std::vector<Row>* rows : {&position, &travellers}) {
+    for (std::vector<Row>* rows : {&position, &attached}) {
         for_particles([&](std::size_t i) { sorted_[i] = (*rows)[static_cast<std::size_t>(order_[i])]; });
         rows->swap(sorted_);
     }
 }
 
-bool NeighbourList::folded() const {
+bool NeighbourList::one_cell() const {
     for (int axis = 0; axis < 3; ++axis)
         if (region_.periodic[axis] && cells_[axis] == 1) return true;
     return false;
@@ -94,8 +94,8 @@ void NeighbourList::fill(Chunk& chunk, std::size_t first, std::size_t count, con
     chunk.at_boundary.resize(count);
     std::vector<std::int32_t> found;
     const auto near_some =
-        folded() ? (region_.equal_radii ? &NeighbourList::near<true, true> : &NeighbourList::near<true, false>)
-                 : (region_.equal_radii ? &NeighbourList::near<false, true> : &NeighbourList::near<false, false>);
+        one_cell() ? (region_.equal_radii ? &NeighbourList::near<true, true> : &NeighbourList::near<true, false>)
+                   : (region_.equal_radii ? &NeighbourList::near<false, true> : &NeighbourList::near<false, false>);
     for (std::size_t k = 0; k < count; ++k) {
         const std::size_t i = first + k;
         const Row& p = position[i];
@@ -111,8 +111,8 @@ void NeighbourList::fill(Chunk& chunk, std::size_t first, std::size_t count, con
     }
 }
 
-/// `folded`: some periodic edge has one cell, whose particles may be near through either of its ends.
-template <bool folded, bool equal_radii>
+/// `one_cell`: some periodic edge has one cell, whose particles may be near through either of its ends.
+template <bool one_cell, bool equal_radii>
 std::size_t NeighbourList::near(const std::vector<Row>& position, std::size_t i,
                                 std::vector<std::int32_t>& found) const {
     const Row& p = position[i];
@@ -127,7 +127,7 @@ std::size_t NeighbourList::near(const std::vector<Row>& position, std::size_t i,
         for (std::int32_t j = begin; j < end; ++j) {
             const Row& q = position[static_cast<std::size_t>(j)];
             double dx = x - q.x, dy = y - q.y, dz = z - q.z;
-            if constexpr (folded) {
+            if constexpr (one_cell) {
                 dx = region_.nearest(0, dx);
                 dy = region_.nearest(1, dy);
                 dz = region_.nearest(2, dz);

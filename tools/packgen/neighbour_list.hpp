@@ -15,13 +15,13 @@ class NeighbourList {
  public:
     static constexpr std::size_t chunk_size = 128;
 
-    /// Wraps the positions into the box along its periodic axes, sorts the particles by cell (rows that travel with
-    /// them too), and lists for each particle all others whose nearest image is closer than the cutoff, and with radii
-    /// of their own closer than (r_i + r_j) diameter + skin.
+    /// Wraps the positions into the box along its periodic axes, sorts the particles by cell, and lists for each
+    /// particle all others whose nearest image is closer than the cutoff and, where radii differ, closer than (r_i +
+    /// r_j) diameter + skin.
     ///
-    /// @param travellers  an array of the same length that is sorted along
-    /// @param cutoff      at most half of the shortest periodic edge
-    void build(std::vector<Row>& position, std::vector<Row>& travellers, double cutoff, ThreadTeam& team,
+    /// @param attached  rows of the same particles, sorted in the same order
+    /// @param cutoff    at most half of the shortest periodic edge
+    void build(std::vector<Row>& position, std::vector<Row>& attached, double cutoff, ThreadTeam& team,
                const Region& region = {}, double diameter = 0.0, double skin = 0.0);
 
     double cutoff() const { return cutoff_; }
@@ -36,11 +36,12 @@ class NeighbourList {
         std::vector<std::uint32_t> first_block;
         std::vector<std::uint8_t> at_boundary;
     };
-    void sort_by_cell(std::vector<Row>& position, std::vector<Row>& travellers, ThreadTeam& team);
+    void sort_by_cell(std::vector<Row>& position, std::vector<Row>& attached, ThreadTeam& team);
     void fill(Chunk& chunk, std::size_t first, std::size_t count, const std::vector<Row>& position) const;
-    template <bool folded, bool equal_radii>
+    template <bool one_cell, bool equal_radii>
     std::size_t near(const std::vector<Row>& position, std::size_t i, std::vector<std::int32_t>& found) const;
-    bool folded() const;
+    /// Whether a periodic edge has one cell, so that every pair needs its nearest image.
+    bool one_cell() const;
 
     double cutoff_ = 0.0, diameter_ = 0.0, skin_ = 0.0;
     Region region_;

@@ -63,7 +63,7 @@ same = lambda name: np.array_equal(p, h5py.File(name)['particles/all/position/va
 assert same('2.h5') and same('3.h5') and not same('other.h5')"
 }
 
-@test "the file tells how to make it again" {
+@test "the file holds the command that makes it again" {
     "$packgen" brick.h5 --particles 100 --density 0.5 --random-seed 9
     read_packing brick.h5 "
 command = a.file['parameters/tomodem/command_line'][()].decode()

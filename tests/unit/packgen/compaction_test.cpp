@@ -170,7 +170,7 @@ TEST_P(Structure, IsHomogeneous) {
 
 INSTANTIATE_TEST_SUITE_P(Densities, Structure, testing::Values(0.64, 0.70, 0.74));
 
-TEST(Measures, TellACrystalFromAGlass) {
+TEST(Measures, DistinguishACrystalFromAGlass) {
     const Packing crystal = fcc(6);
     EXPECT_NEAR(global_q6(pairs_within(crystal, 1.3)), 0.575, 0.001);
     EXPECT_GT(radial_distribution(crystal, 4.0, 80)[28], 2.0);  // the second shell at sqrt 2
@@ -359,7 +359,7 @@ TEST(Compaction, WorksInTheSmallestBox) {
     EXPECT_EQ(compact({.particles = 3, .density = 0.1}).packing.size(), 3U);
 }
 
-TEST(Compaction, TellsItsProgressFromNoneToAll) {
+TEST(Compaction, ReportsItsProgressFromNoneToAll) {
     double first = -1.0, last = -1.0;
     compact({.particles = 200, .density = 0.7, .progress = [&](double done) {
                  if (first < 0.0) first = done;
