@@ -3,32 +3,32 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
-#include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "core/base/error.hpp"
 #include "core/base/provenance.hpp"
 #include "core/base/reporter.hpp"
+#include "core/cli/command_line.hpp"
 
 /// The command line of every tool: usage declared once, and from it parsing, checks, `--help` and the reference page.
 ///
-/// Every tool also takes --help, --version, --quiet and --json; --threads where the usage says so.
+/// Every tool also takes --help, --version, --describe, --quiet and --json; --threads where the usage says so.
 namespace tomodem::cli {
 
 /// What a number on the command line measures. A length must carry its unit ("2.4um") and arrives in mm.
 enum class Unit { none, length, strain, rate, fraction, percent, voxels, steps, particles };
 
-/// Allowed values of a number; `text` says them in words for --help and for the error.
+/// Allowed values of a number.
 struct Range {
     double low = -std::numeric_limits<double>::infinity();
     double high = std::numeric_limits<double>::infinity();
     bool low_included = true;
     bool high_included = true;
+    /// In words, for --help and errors: "at least 1 and at most 10".
     std::string text() const;
     bool contains(double value) const;
 };
@@ -36,21 +36,22 @@ inline constexpr Range any{};
 inline constexpr Range positive{0, std::numeric_limits<double>::infinity(), false, false};
 inline constexpr Range not_negative{0, std::numeric_limits<double>::infinity(), true, false};
 
-/// One option or argument, as --help, the completion of the docs and the parser see it.
+/// One option or positional argument.
 struct Argument {
+    /// A source is an input that may be more than a path: a pattern, or a data set of a file.
     enum class Kind { input, inputs, source, output, number, integer, text, choice, flag };
     Kind kind;
-    std::string name;  // "--probe-radius", or the name of a positional argument
-    std::string help;
+    std::string name;       ///< "--probe-radius", or the name of a positional argument in capitals: "SAMPLE"
+    std::string help = {};  ///< a sentence; formats, unit, range and default are added to it in brackets
     bool required = false;
     Unit unit = Unit::none;
-    Range range;
-    std::vector<std::string> choices;
-    std::string default_text;
+    Range range = {};
+    std::vector<std::string> choices = {};
+    std::string default_text = {};
     void* target = nullptr;
-    /// Of an input that is no plain path: the files that its text stands for; none: there is nothing like that.
+    /// Of a source: the files that its text stands for; none: there is nothing like that.
     std::function<std::vector<std::filesystem::path>(const std::string&)> files = {};
-    /// Of an output: the extensions it accepts, as ".csv"; none: any name.
+    /// Of an output: the extensions of what it can write, as ".csv"; none: any.
     std::vector<std::string> formats = {};
 };
 
@@ -62,17 +63,19 @@ enum class Step { image, sample, plan, run, surface, measure, picture };
 struct Display {
     /// A number of the summary, or a column of the table.
     struct Quantity {
-        std::string key;    ///< in the summary, or the column's name without its unit
-        std::string label;  ///< as a page writes it: "flow stress"
-        std::string unit;   ///< as a page writes it: "MPa"; empty: none
-        double factor = 1;  ///< from the unit of the summary or the table to this one
+        std::string key = {};    ///< in the summary, or the column's name without its unit
+        std::string label = {};  ///< as a page writes it: "flow stress"
+        std::string unit = {};   ///< as a page writes it: "MPa"; empty: none
+        double factor = 1;       ///< from the unit of the summary or the table to this one
     };
-    std::string heading;            ///< "Stress and strain"
-    std::vector<Quantity> results;  ///< of the summary, most important first
-    Quantity x;                     ///< column of the plot's axis; an empty key: there is no plot
-    std::vector<Quantity> curves;   ///< columns of the plot
+    std::string heading;                 ///< "Stress and strain"
+    std::vector<Quantity> results = {};  ///< of the summary, most important first
+    Quantity x = {};                     ///< column of the plot's axis; an empty key: there is no plot
+    std::vector<Quantity> curves = {};   ///< columns of the plot
 };
 
+/// What a tool is called with. A purpose and a help are sentences, with a capital and a period; the name of a
+/// positional argument is in capitals.
 class Usage {
  public:
     Usage(std::string tool, std::string purpose);
@@ -84,10 +87,11 @@ class Usage {
     Usage& input(const std::string& name, std::string& target,
                  std::function<std::vector<std::filesystem::path>(const std::string&)> files, const std::string& help);
     /// A file to write; its folder must exist. Always the last positional argument.
-    /// @param formats  the extensions that its name may have, as {".stl", ".ply"}; none: any name. --help lists them.
+    /// @param formats  the extensions of what it can write, as {".stl", ".ply"}; --help lists them. A name that ends in
+    ///                 the extension of another format (.csv, .h5, .png, ...) is refused; "curve.dat" is not.
     Usage& output(const std::string& name, std::filesystem::path& target, const std::string& help,
                   std::vector<std::string> formats = {});
-    /// The same, of a tool that has another name for it where none is given. Not for a tool with a list of inputs.
+    /// The same, of a tool that chooses the name itself when none is given. Not for a tool with a list of inputs.
     Usage& optional_output(const std::string& name, std::filesystem::path& target, const std::string& help,
                            std::vector<std::string> formats = {});
 
@@ -111,7 +115,7 @@ class Usage {
     /// The tool works on several threads: it accepts --threads.
     Usage& threads();
     Usage& step(Step step);
-    /// The tool is a measure of a run that pages show so: called as TOOL RUN TABLE.
+    /// The tool is a measure of a run, called as TOOL RUN TABLE, and pages show its results like this.
     Usage& measure(Display display);
 
     const std::string& tool() const { return tool_; }
@@ -144,7 +148,7 @@ class Tool final : public Reporter {
     Tool(const Usage& usage, int argc, const char* const* argv, Voice voice);
 
     /// True when `flag` ("--threshold") was given on the command line.
-    bool given(const std::string& flag) const { return given_.contains(flag); }
+    bool given(const std::string& flag) const { return line_.given.contains(flag); }
     /// Threads to use: --threads, or every core of this process' affinity.
     int threads() const;
 
@@ -169,18 +173,14 @@ class Tool final : public Reporter {
 
  private:
     friend int run_tool(int, const char* const*, const Usage&, const std::function<void(Tool&)>&, Voice);
-    friend bool parse(Tool&, int, const char* const*, const Usage&);
     template <class Value>
     void add_result(const std::string& key, const Value& value, const std::string& unit);
     int fail(int status, const std::string& message) const;
     void write_summary(double wall_seconds) const;
 
     std::string name_;
-    bool quiet_ = false, silent_ = false;
-    std::int64_t threads_ = 0;  ///< 0: not given
-    std::filesystem::path json_;
-    std::set<std::string> given_;
-    std::map<std::string, std::vector<std::filesystem::path>> inputs_;  ///< the files of each input, by its name
+    bool silent_ = false;
+    CommandLine line_;
     Provenance provenance_;
     struct Results;
     std::shared_ptr<Results> results_;

@@ -1,5 +1,5 @@
 #include "core/cli/cli.hpp"
-#include "core/cli/cli_usage.hpp"
+#include "core/cli/help.hpp"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -172,7 +172,7 @@ TEST(CommandLine, AcceptsThreadsOnlyWhereTheToolUsesThem) {
 
 TEST(CommandLine, RefusesAnOutputOfAnotherFormatThanTheDeclaredOnes) {
     std::filesystem::path output;
-    const Usage usage = Usage("try", "Try.").output("TABLE", output, "curve to write", {".csv", ".txt"});
+    const Usage usage = Usage("try", "Try.").output("TABLE", output, "Curve to write.", {".csv", ".txt"});
     const auto error_of = [&](const char* name) {
         const char* words[] = {"try", name};
         CaptureStderr();
@@ -180,8 +180,16 @@ TEST(CommandLine, RefusesAnOutputOfAnotherFormatThanTheDeclaredOnes) {
         return GetCapturedStderr();
     };
     EXPECT_EQ(error_of("curve.csv"), "");
+    EXPECT_EQ(error_of("curve.dat"), "");  // promises nothing
     EXPECT_EQ(error_of("curve.png"), "try: TABLE 'curve.png': the name must end in .csv or .txt\n");
-    EXPECT_THAT(help_text(usage), HasSubstr("curve to write (.csv, .txt)"));
+    EXPECT_THAT(help_text(usage), HasSubstr("Curve to write. [.csv or .txt]"));
+}
+
+TEST(CommandLine, NamesOfPositionalsAreInCapitals) {
+    std::filesystem::path path;
+    EXPECT_THROW(Usage("try", "Try.").input("sample", path, "Sample."), std::logic_error);
+    EXPECT_THROW(Usage("try", "Try.").output("Table", path, "Table."), std::logic_error);
+    EXPECT_NO_THROW(Usage("try", "Try.").input("SAMPLE_2", path, "Sample.").input_option("--scene", path, "Scene."));
 }
 
 TEST(CommandLine, DescribesItselfToPrograms) {

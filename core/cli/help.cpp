@@ -1,4 +1,4 @@
-#include "core/cli/cli_usage.hpp"
+#include "core/cli/help.hpp"
 
 #include <fmt/format.h>
 
@@ -55,8 +55,8 @@ std::string value_name(const Argument& argument) {
 
 std::string full_help(const Argument& argument) {
     std::string text = argument.help;
-    if (!argument.formats.empty()) text += fmt::format(" ({})", fmt::join(argument.formats, ", "));
     std::vector<std::string> remarks;
+    if (!argument.formats.empty()) remarks.push_back(fmt::format("{}", fmt::join(argument.formats, " or ")));
     if (!unit_text(argument.unit).empty()) remarks.push_back(unit_text(argument.unit));
     if (!argument.range.text().empty()) remarks.push_back(argument.range.text());
     if (argument.required && argument.name.starts_with("--")) remarks.push_back("required");
@@ -81,135 +81,6 @@ std::string in_cell(const std::string& text) {
 
 }  // namespace
 
-std::string Range::text() const {
-    const bool lower = std::isfinite(low), upper = std::isfinite(high);
-    const std::string from = fmt::format("{} {:g}", low_included ? "at least" : "more than", low);
-    const std::string to = fmt::format("{} {:g}", high_included ? "at most" : "less than", high);
-    if (lower && upper) return from + " and " + to;
-    return lower ? from : upper ? to : "";
-}
-
-bool Range::contains(double value) const {
-    return (low_included ? value >= low : value > low) && (high_included ? value <= high : value < high);
-}
-
-Usage::Usage(std::string tool, std::string purpose) : tool_(std::move(tool)), purpose_(std::move(purpose)) {}
-
-Argument& Usage::add(Argument argument) {
-    arguments_.push_back(std::move(argument));
-    return arguments_.back();
-}
-
-Usage& Usage::input(const std::string& name, std::filesystem::path& target, const std::string& help) {
-    add({Argument::Kind::input, name, help, true, Unit::none, {}, {}, "", &target});
-    return *this;
-}
-
-Usage& Usage::inputs(const std::string& name, std::vector<std::filesystem::path>& target, const std::string& help) {
-    add({Argument::Kind::inputs, name, help, true, Unit::none, {}, {}, "", &target});
-    return *this;
-}
-
-Usage& Usage::input(const std::string& name, std::string& target,
-                    std::function<std::vector<std::filesystem::path>(const std::string&)> files,
-                    const std::string& help) {
-    add({Argument::Kind::source, name, help, true, Unit::none, {}, {}, "", &target, std::move(files)});
-    return *this;
-}
-
-Usage& Usage::output(const std::string& name, std::filesystem::path& target, const std::string& help,
-                     std::vector<std::string> formats) {
-    add({Argument::Kind::output, name, help, true, Unit::none, {}, {}, "", &target, {}, std::move(formats)});
-    return *this;
-}
-
-Usage& Usage::optional_output(const std::string& name, std::filesystem::path& target, const std::string& help,
-                              std::vector<std::string> formats) {
-    add({Argument::Kind::output, name, help, false, Unit::none, {}, {}, "", &target, {}, std::move(formats)});
-    return *this;
-}
-
-Usage& Usage::required(const std::string& flag, double& target, Unit unit, Range range, const std::string& help) {
-    add({Argument::Kind::number, flag, help, true, unit, range, {}, "", &target});
-    return *this;
-}
-
-Usage& Usage::option(const std::string& flag, double& target, Unit unit, Range range, const std::string& help) {
-    const std::string value = fmt::format("{:g}{}", target, unit == Unit::length ? "mm" : "");
-    const std::string preset = range.contains(target) ? value : "";
-    add({Argument::Kind::number, flag, help, false, unit, range, {}, preset, &target});
-    return *this;
-}
-
-Usage& Usage::required(const std::string& flag, std::int64_t& target, Unit unit, Range range, const std::string& help) {
-    add({Argument::Kind::integer, flag, help, true, unit, range, {}, "", &target});
-    return *this;
-}
-
-Usage& Usage::option(const std::string& flag, std::int64_t& target, Unit unit, Range range, const std::string& help) {
-    const std::string preset = range.contains(static_cast<double>(target)) ? std::to_string(target) : "";
-    add({Argument::Kind::integer, flag, help, false, unit, range, {}, preset, &target});
-    return *this;
-}
-
-Usage& Usage::required(const std::string& flag, std::string& target, const std::string& help) {
-    add({Argument::Kind::text, flag, help, true, Unit::none, {}, {}, "", &target});
-    return *this;
-}
-
-Usage& Usage::option(const std::string& flag, std::string& target, const std::string& help) {
-    add({Argument::Kind::text, flag, help, false, Unit::none, {}, {}, target, &target});
-    return *this;
-}
-
-Usage& Usage::input_option(const std::string& flag, std::filesystem::path& target, const std::string& help) {
-    add({Argument::Kind::input, flag, help, false, Unit::none, {}, {}, "", &target});
-    return *this;
-}
-
-Usage& Usage::output_option(const std::string& flag, std::filesystem::path& target, const std::string& help,
-                            std::vector<std::string> formats) {
-    add({Argument::Kind::output, flag, help, false, Unit::none, {}, {}, "", &target, {}, std::move(formats)});
-    return *this;
-}
-
-Usage& Usage::choice(const std::string& flag, std::string& target, const std::vector<std::string>& choices,
-                     const std::string& help) {
-    add({Argument::Kind::choice, flag, help, false, Unit::none, {}, choices, target, &target});
-    return *this;
-}
-
-Usage& Usage::flag(const std::string& flag, bool& target, const std::string& help) {
-    add({Argument::Kind::flag, flag, help, false, Unit::none, {}, {}, "", &target});
-    return *this;
-}
-
-Usage& Usage::exclusive(const std::vector<std::string>& flags) {
-    exclusives_.push_back(flags);
-    return *this;
-}
-
-Usage& Usage::example(const std::string& command) {
-    examples_.push_back(command);
-    return *this;
-}
-
-Usage& Usage::threads() {
-    threaded_ = true;
-    return *this;
-}
-
-Usage& Usage::step(Step step) {
-    step_ = step;
-    return *this;
-}
-
-Usage& Usage::measure(Display display) {
-    step_ = Step::measure;
-    display_ = std::move(display);
-    return *this;
-}
-
 bool positional(const Argument& argument) {
     return !argument.name.starts_with("--");
 }
@@ -232,11 +103,13 @@ std::string help_text(const Usage& usage) {
             rows.emplace_back("  " + argument.name + (value.empty() ? "" : " " + value), full_help(argument));
         }
     if (usage.threaded())
-        rows.emplace_back("  --threads INTEGER", "threads to use [default: every core that this process may use]");
-    rows.emplace_back("  --json FILE", "also write the results, units, time and memory as JSON");
-    rows.emplace_back("  --quiet", "print errors only");
-    rows.emplace_back("  --help", "print this text");
-    rows.emplace_back("  --version", "print the version");
+        rows.emplace_back("  --threads INTEGER",
+                          "Number of threads. [default: one for every core that this process may use]");
+    rows.emplace_back("  --json FILE", "Also write the results, their units, time and memory to this file as JSON.");
+    rows.emplace_back("  --quiet", "Print warnings and errors only.");
+    rows.emplace_back("  --help", "Print this text.");
+    rows.emplace_back("  --version", "Print the version.");
+    rows.emplace_back("  --describe", "Print this usage as JSON, for other programs.");
     std::size_t width = 0;
     for (const auto& row : rows) width = std::max(width, std::min<std::size_t>(row.first.size(), 34));
     for (const auto& [name, text] : rows) {

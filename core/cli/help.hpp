@@ -1,9 +1,10 @@
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "core/cli/cli.hpp"
 
-/// What a Usage says of itself. Internal to core: tools need only cli.hpp.
+/// A usage as text. Internal to core/cli: tools need only cli.hpp.
 namespace tomodem::cli {
 
 /// True for an argument without a flag, known by its place.
