@@ -18,11 +18,11 @@ namespace {
 
 }  // namespace
 
-BinaryOutput::BinaryOutput(const std::filesystem::path& path) : shown_(path), file_(path), buffer_(1 << 20) {
+BinaryOutput::BinaryOutput(const std::filesystem::path& path) : final_(path), file_(path), buffer_(1 << 20) {
     errno = 0;
     stream_.rdbuf()->pubsetbuf(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
     stream_.open(file_.path(), std::ios::binary | std::ios::trunc);
-    if (!stream_) fail(shown_);
+    if (!stream_) fail(final_);
 }
 
 void BinaryOutput::text(std::string_view text) {
@@ -31,13 +31,13 @@ void BinaryOutput::text(std::string_view text) {
 
 void BinaryOutput::bytes(const void* data, std::size_t size) {
     errno = 0;
-    if (!stream_.write(static_cast<const char*>(data), static_cast<std::streamsize>(size))) fail(shown_);
+    if (!stream_.write(static_cast<const char*>(data), static_cast<std::streamsize>(size))) fail(final_);
 }
 
 void BinaryOutput::commit() {
     errno = 0;
     stream_.close();
-    if (!stream_) fail(shown_);
+    if (!stream_) fail(final_);
     file_.commit();
 }
 

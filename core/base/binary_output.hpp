@@ -33,7 +33,7 @@ class BinaryOutput {
 
  private:
     void bytes(const void* data, std::size_t size);
-    std::filesystem::path shown_;
+    std::filesystem::path final_;
     OutputFile file_;
     std::vector<char> buffer_;
     std::ofstream stream_;

@@ -20,7 +20,7 @@ class OutputFile {
 
     /// Where to write: ".NAME.part-PID" in the folder of the final path, the extension kept.
     const std::filesystem::path& path() const { return part_; }
-    /// From now on the unfinished file outlives this process: another one can go on with it.
+    /// From now on the unfinished file outlives this process: another one can resume it.
     void keep();
     /// Flushes to disk what was written so far. @throws InvalidInput if that fails (disk full)
     void flush();

@@ -3,8 +3,8 @@
 #include "core/mesh/export_frames.hpp"
 #include "core/packing/packing_file.hpp"
 
+namespace tomodem::export_packing {
 namespace {
-using namespace tomodem;
 
 struct Request {
     std::filesystem::path input, output;
@@ -12,12 +12,14 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage{"export_packing", "Write a packing or run as LAMMPS dump (OVITO) or VTP (ParaView)."}
-        .input("packing", request.input, "packing or run (.h5)")
-        .output("output", request.output,
-                "file to write: .dump (all frames in one file), .vtp (several frames: NAME_0000.vtp ... and NAME.pvd) "
-                "or .pvd")
-        .option("--frames", request.frames, "frames to write: all, first, last or a number from 0")
+    return cli::Usage{"export_packing", "Write a sample or run as LAMMPS dump (for OVITO) or VTP (for ParaView)."}
+        .input("RUN", request.input, "Run or sample (.h5).")
+        .output("OUTPUT", request.output,
+                "File to write. A .dump holds all frames; several frames as .vtp become NAME_0000.vtp and so on, with "
+                "NAME.pvd, which lists them.",
+                {".dump", ".vtp", ".pvd"})
+        .option("--frames", request.frames, "Frames to write: all, first, last or a number from 0.")
+        .step(cli::Step::picture)
         .example("export_packing run.h5 run.dump")
         .example("export_packing --frames last run.h5 deformed.vtp");
 }
@@ -25,7 +27,7 @@ cli::Usage usage(Request& request) {
 void run(const Request& request, cli::Tool& tool) {
     const auto extension = request.output.extension();
     if (extension != ".dump" && extension != ".vtp" && extension != ".pvd")
-        throw WrongUsage("output '" + request.output.string() + "': the name must end in .dump, .vtp or .pvd");
+        throw WrongUsage("OUTPUT '" + request.output.string() + "': the name must end in .dump, .vtp or .pvd");
     const RunReader run(request.input);
     const auto frames = chosen_frames(request.frames, run.frame_count());
 
@@ -40,7 +42,8 @@ void run(const Request& request, cli::Tool& tool) {
     tool.report("particles", static_cast<std::int64_t>(run.packing().size()));
 }
 }  // namespace
+}  // namespace tomodem::export_packing
 
 int main(int argc, char** argv) {
-    return cli::main(argc, argv, usage, run);
+    return tomodem::cli::main(argc, argv, tomodem::export_packing::usage, tomodem::export_packing::run);
 }

@@ -22,7 +22,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/output_file.hpp"
-#include "tools/render/offscreen_window.hpp"
+#include "core/picture/offscreen_window.hpp"
 
 namespace tomodem {
 namespace {

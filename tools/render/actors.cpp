@@ -17,7 +17,7 @@
 #include <cmath>
 #include <vector>
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 vtkSmartPointer<vtkActor> surface_actor(const Surface& surface) {
@@ -149,4 +149,4 @@ void add_plate(const Box& box, vtkRenderer* renderer) {
     renderer->AddActor(actor);
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -6,7 +6,7 @@
 #include "tools/render/picture.hpp"
 
 /// The bodies of a picture, as VTK draws them.
-namespace tomodem {
+namespace tomodem::render {
 
 void add_spheres(const Picture& picture, vtkRenderer* renderer);
 /// Translucent ones are drawn in the order in which they are added.
@@ -14,4 +14,4 @@ void add_surface(const Surface& surface, vtkRenderer* renderer);
 void add_outline(const Box& box, vtkRenderer* renderer);
 void add_plate(const Box& box, vtkRenderer* renderer);
 
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 constexpr std::array<Rgb, 7> okabe_ito{Rgb{213, 94, 0},    Rgb{0, 114, 178},  Rgb{0, 158, 115}, Rgb{230, 159, 0},
@@ -22,12 +22,12 @@ std::map<std::int32_t, std::int64_t> particles_of_phases(const Packing& packing)
 
 std::map<std::int32_t, Rgb> phase_colours(const Packing& packing) {
     const auto count = particles_of_phases(packing);
-    const auto most =
+    const auto largest =
         std::max_element(count.begin(), count.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
     std::map<std::int32_t, Rgb> colours;
     std::size_t next = 0;
     for (const auto& [label, particles] : count)
-        colours[label] = label == most->first ? skin_colour : okabe_ito[next++ % okabe_ito.size()];
+        colours[label] = label == largest->first ? skin_colour : okabe_ito[next++ % okabe_ito.size()];
     return colours;
 }
 
@@ -66,11 +66,11 @@ void RangeFinder::add(std::vector<double> values) {
         return values[place];
     };
     const std::size_t last = values.size() - 1, outliers = last / 100;
-    const double low = at(outliers), high = at(last - outliers), least = at(0), most = at(last);
+    const double low = at(outliers), high = at(last - outliers), min = at(0), max = at(last);
     low_ = any_ ? std::min(low_, low) : low;
     high_ = any_ ? std::max(high_, high) : high;
-    least_ = any_ ? std::min(least_, least) : least;
-    most_ = any_ ? std::max(most_, most) : most;
+    min_ = any_ ? std::min(min_, min) : min;
+    max_ = any_ ? std::max(max_, max) : max;
     any_ = true;
 }
 
@@ -89,8 +89,8 @@ std::optional<ColourRange> RangeFinder::range(const std::optional<std::pair<doub
         range.low -= around;
         range.high += around;
     }
-    range.lower_values = least_ < range.low;
-    range.higher_values = most_ > range.high;
+    range.lower_values = min_ < range.low;
+    range.higher_values = max_ > range.high;
     return range;
 }
 
@@ -105,35 +105,35 @@ std::vector<Rgb> value_colours(const std::vector<double>& values, const ColourRa
 
 namespace {
 
-struct ShownUnit {
+struct DisplayUnit {
     std::string name;
     double factor;  ///< of the file's unit in one of it
 };
 
-ShownUnit shown_unit(double largest, const std::string& unit) {
-    std::vector<ShownUnit> units;
+DisplayUnit display_unit(double largest, const std::string& unit) {
+    std::vector<DisplayUnit> units;
     if (unit == "Pa") units = {{"GPa", 1e9}, {"MPa", 1e6}, {"kPa", 1e3}, {"Pa", 1}};
     if (unit == "mm") units = {{"m", 1e3}, {"mm", 1}, {"µm", 1e-3}, {"nm", 1e-6}};
-    for (const ShownUnit& one : units)
+    for (const DisplayUnit& one : units)
         if (largest >= 0.9995 * one.factor) return one;
-    return units.empty() ? ShownUnit{unit, 1} : units.back();
+    return units.empty() ? DisplayUnit{unit, 1} : units.back();
 }
 
 }  // namespace
 
 ColourBar colour_bar_of(const ColourRange& range, const std::string& title, const std::string& unit) {
-    const ShownUnit shown = shown_unit(std::max(std::abs(range.low), std::abs(range.high)), unit);
+    const DisplayUnit display = display_unit(std::max(std::abs(range.low), std::abs(range.high)), unit);
     return {.map = range.map,
-            .low = range.low / shown.factor,
-            .high = range.high / shown.factor,
-            .title = shown.name.empty() ? title : fmt::format("{} [{}]", title, shown.name),
+            .low = range.low / display.factor,
+            .high = range.high / display.factor,
+            .title = display.name.empty() ? title : fmt::format("{} [{}]", title, display.name),
             .lower_values = range.lower_values,
             .higher_values = range.higher_values};
 }
 
 std::string value_text(double value, const std::string& unit) {
-    const ShownUnit shown = shown_unit(std::abs(value), unit);
-    return fmt::format("{:.3g}{}{}", value / shown.factor, shown.name.empty() ? "" : " ", shown.name);
+    const DisplayUnit display = display_unit(std::abs(value), unit);
+    return fmt::format("{:.3g}{}{}", value / display.factor, display.name.empty() ? "" : " ", display.name);
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::render

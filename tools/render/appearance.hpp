@@ -10,12 +10,12 @@
 #include "tools/render/picture.hpp"
 
 /// How things look: their colours, and the legend that explains them.
-namespace tomodem {
+namespace tomodem::render {
 
 inline constexpr Rgb skin_colour{203, 208, 214}, pore_colour{61, 61, 143}, mesh_colour{213, 94, 0};
 
-/// Colours that people with any kind of colour vision tell apart (Okabe & Ito, Color Universal Design, 2008). The phase
-/// with most particles is light grey, the others follow in the order of their labels.
+/// Colours that people with any kind of colour vision can distinguish (Okabe & Ito, Color Universal Design, 2008). The
+/// phase with most particles is light grey, the others follow in the order of their labels.
 std::map<std::int32_t, Rgb> phase_colours(const Packing& packing);
 
 /// A colour of its own for neighbouring numbers; the same number has the same colour in every picture.
@@ -35,8 +35,8 @@ struct ColourRange {
 
 /// Finds the range that suits the values of several frames, given one frame after the other.
 ///
-/// From the first to the last hundredth of the values, so that a few outliers do not take all colours; the widest of
-/// all frames. Around zero both sides get the same length.
+/// Each frame's range leaves out the smallest and the largest hundredth of its values, so that a few outliers do not
+/// use up the colours; the result spans the ranges of all frames. A range around zero is made symmetric.
 class RangeFinder {
  public:
     /// Values that are not a number are left out.
@@ -46,17 +46,18 @@ class RangeFinder {
     std::optional<ColourRange> range(const std::optional<std::pair<double, double>>& ends) const;
 
  private:
-    double low_ = 0.0, high_ = 0.0, least_ = 0.0, most_ = 0.0;
+    double low_ = 0.0, high_ = 0.0;  ///< without the outliers
+    double min_ = 0.0, max_ = 0.0;   ///< of all values
     bool any_ = false;
 };
 
 /// Grey where there is no value.
 std::vector<Rgb> value_colours(const std::vector<double>& values, const ColourRange& range);
 
-/// In a unit in which the numbers are short: Pa becomes MPa.
+/// With a unit in which the numbers are short: MPa instead of Pa.
 ColourBar colour_bar_of(const ColourRange& range, const std::string& title, const std::string& unit);
 
-/// "2.3 mm": at most three digits, in such a unit.
+/// "2.3 mm": three significant digits, in a unit in which the number is short.
 std::string value_text(double value, const std::string& unit);
 
-}  // namespace tomodem
+}  // namespace tomodem::render

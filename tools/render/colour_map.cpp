@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
@@ -68,4 +68,4 @@ std::array<double, 3> oklab(const Rgb& colour) {
             0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -2,7 +2,7 @@
 #include <array>
 #include <cstdint>
 
-namespace tomodem {
+namespace tomodem::render {
 
 struct Rgb {
     std::uint8_t red = 0, green = 0, blue = 0;
@@ -21,4 +21,4 @@ Rgb colour_at(ColourMap map, double place);
 /// @see B. Ottosson, A perceptual color space for image processing (2020)
 std::array<double, 3> oklab(const Rgb& colour);
 
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -10,7 +10,7 @@
 
 #include "core/base/output_file.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 
 void write_png(const Image& image, const std::filesystem::path& path) {
     vtkNew<vtkImageData> data;
@@ -28,4 +28,4 @@ void write_png(const Image& image, const std::filesystem::path& path) {
     write_text(path, {reinterpret_cast<const char*>(png->GetPointer(0)), std::size_t(png->GetNumberOfValues())});
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::render

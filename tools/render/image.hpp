@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace tomodem {
+namespace tomodem::render {
 
 /// Red, green and blue of each pixel, row by row from the top.
 struct Image {
@@ -14,4 +14,4 @@ struct Image {
 /// Writes a PNG (atomically). @throws InvalidInput if it cannot be written
 void write_png(const Image& image, const std::filesystem::path& path);
 
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -1,4 +1,4 @@
-// render: draw a packing, a run or a mesh as PNG pictures or as a movie; needs no screen.
+// render: draw a sample, a run or a mesh as PNG pictures or as a movie; no screen is needed.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -16,8 +16,8 @@
 #include "tools/render/series.hpp"
 #include "tools/render/subject.hpp"
 
+namespace tomodem::render {
 namespace {
-using namespace tomodem;
 
 struct Request {
     std::filesystem::path input, picture, view_of;
@@ -31,49 +31,60 @@ struct Request {
 constexpr cli::Range share{0, 1, true, true};
 
 cli::Usage usage(Request& request) {
-    return cli::Usage{"render", "Draw a packing, a run or a mesh as PNG pictures or as a movie; needs no screen."}
-        .input("INPUT", request.input, "sample or run (.h5), or mesh (.stl, .ply)")
+    return cli::Usage{"render", "Draw a sample, a run or a mesh as PNG pictures or as a movie; no screen is needed."}
+        .input("INPUT", request.input, "Sample or run (.h5), or mesh (.stl, .ply).")
         .output("PICTURE", request.picture,
-                "picture to write (.png), or movie (.mp4, by ffmpeg); several pictures: NAME_0000.png, ...")
+                "Picture or movie to write. Several pictures are named NAME_0000.png and so on; a movie needs ffmpeg.",
+                {".png", ".mp4"})
         .option("--frame", request.frame, cli::Unit::none, {.low = -1},
-                "frame of a run, counted from 0; -1 is the last")
-        .choice("--frames", request.frames, {"first", "last", "all"}, "frames of a run; a movie has all")
+                "Number of the frame to draw, counted from 0; -1 is the last frame.")
+        .choice("--frames", request.frames, {"first", "last", "all"}, "Frames to draw. A movie has all of them.")
         .option("--turntable", request.turntable, cli::Unit::none, {.low = 2},
-                "so many pictures of one frame, from all sides")
-        .option("--pictures-per-second", request.pictures_per_second, cli::Unit::none, cli::positive, "of a movie")
+                "Draw one frame in this number of pictures, from all sides.")
+        .option("--pictures-per-second", request.pictures_per_second, cli::Unit::none, cli::positive,
+                "Speed of a movie.")
         .option("--color", request.colour,
-                "what the colours tell apart: phase, object, none, or a quantity of the file: a property, a field, its "
-                "component (stress_zz) or its length (velocity)")
+                "What the colours show: phase, object, none, or a quantity of the file: a property, a field of the "
+                "particles, its component (stress_zz) or its length (velocity).")
         .option("--range", request.range,
-                "values at the ends of the colours, as LOW,HIGH in the unit of the file; "
-                "else what holds 98 % of the values of every frame")
-        .option("--only-species", request.only_species, cli::Unit::none, cli::any, "show only the phase of this label")
-        .choice("--cut", request.cut, {"x", "y", "none"}, "cut the sample open in its middle, across this axis")
+                "Values at the ends of the colour scale, as LOW,HIGH in the unit of the file. When left out, the scale "
+                "holds 98 % of the values of every frame.")
+        .option("--only-species", request.only_species, cli::Unit::none, cli::any,
+                "Show only the phase of this label. When left out, all phases are shown.")
+        .choice("--cut", request.cut, {"x", "y", "none"},
+                "Cut the sample in half across this axis and show its inside.")
         .choice("--slice", request.slice, {"x", "y", "z", "none"},
-                "show a layer of one diameter across this axis, seen straight")
+                "Show only a layer across this axis, one particle diameter thick, in front view.")
         .option("--slice-place", request.slice_place, cli::Unit::fraction, share,
-                "where, from the lower to the upper end of the sample")
+                "Place of the slice, from the lower (0) to the upper end (1) of the sample.")
         .option("--arrows", request.arrows,
-                "vectors to draw in the slice: outward, velocity, or another field of the run")
-        .flag("--objects", request.objects, "surfaces of the objects in the translucent sample, instead of particles")
-        .flag("--pores", request.pores, "closed pores in the translucent sample, instead of particles")
+                "Vectors to draw as arrows in the slice: outward, velocity, or another field of the run with three "
+                "components.")
+        .flag("--objects", request.objects, "Draw the surfaces of the objects in a translucent sample, not particles.")
+        .flag("--pores", request.pores, "Draw the closed pores in a translucent sample, not particles.")
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
-                "of these surfaces, as in mesh_recon; one particle diameter where not given")
-        .option("--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
-                "with --pores: those with a mouth too, under a lid that a ball of this radius rolls on")
-        .option("--opacity", request.opacity, cli::Unit::fraction, share, "of the translucent sample")
-        .choice("--press", request.press, {"x", "y", "z", "none"}, "show the two press planes across this axis")
-        .flag("--no-outline", request.no_outline, "leave out the thin box around the first frame")
+                "Probe radius of the surfaces, as in mesh_recon. When left out, it is one particle diameter.")
+        .option(
+            "--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
+            "Also draw pores with a mouth: a lid that a ball of this radius cannot pass closes each mouth. It needs "
+            "--pores.")
+        .option("--opacity", request.opacity, cli::Unit::fraction, share, "Opacity of the translucent sample.")
+        .choice("--press", request.press, {"x", "y", "z", "none"}, "Show the two press planes across this axis.")
+        .flag("--no-outline", request.no_outline, "Leave out the thin box around the sample in its first frame.")
         .input_option("--view-of", request.view_of,
-                      "sample or run (.h5) whose place and scale are used, to compare pictures of several files")
-        .option("--labels", request.labels, "names of the phases, as 1=matrix,2=inclusion; a run knows its own")
-        .option("--size", request.size, "width and height in pixels")
-        .choice("--background", request.background, {"white", "grey"}, "colour behind the sample")
+                      "Use the view and scale of the picture of this sample or run (.h5), to compare pictures.")
+        .option(
+            "--labels", request.labels,
+            "Names of the phases in the legend, as 1=matrix,2=inclusion. When left out, they are those of the scene "
+            "of the run.")
+        .option("--size", request.size, "Width and height of the picture in pixels.")
+        .choice("--background", request.background, {"white", "grey"}, "Colour behind the sample.")
         .exclusive({"--frame", "--frames"})
         .exclusive({"--frames", "--turntable"})
         .exclusive({"--cut", "--slice", "--objects"})
         .exclusive({"--cut", "--slice", "--pores"})
         .exclusive({"--slice", "--turntable"})
+        .step(cli::Step::picture)
         .threads()
         .example("render run.h5 before.png --frame 0 --cut y --press z")
         .example("render run.h5 inclusions.png --only-species 2 --color object")
@@ -126,7 +137,7 @@ std::map<std::int32_t, std::string> phase_names(const Request& request, const Pr
     return names;
 }
 
-/// What cannot be shown together.
+/// Options that need another one, or cannot go with it.
 void check_combination(const Request& request, cli::Tool& tool) {
     const bool quantity = request.colour != "phase" && request.colour != "object" && request.colour != "none";
     if (!request.range.empty() && !quantity)
@@ -137,13 +148,13 @@ void check_combination(const Request& request, cli::Tool& tool) {
         throw WrongUsage("--slice-place goes with --slice x, y or z");
     for (const char* flag : {"--color", "--only-species"})
         if ((request.objects || request.pores) && tool.given(flag))
-            throw WrongUsage(fmt::format("{} is of particles; --objects and --pores show surfaces", flag));
+            throw WrongUsage(fmt::format("{} applies to particles, but --objects and --pores draw surfaces", flag));
     for (const char* flag : {"--probe-radius", "--opacity"})
         if (!request.objects && !request.pores && tool.given(flag))
             throw WrongUsage(fmt::format("{} goes with --objects or --pores", flag));
     if (!request.pores && tool.given("--lid-radius")) throw WrongUsage("--lid-radius goes with --pores");
     if (request.picture.extension() != ".mp4" && tool.given("--pictures-per-second"))
-        throw WrongUsage("--pictures-per-second is of a movie, whose name ends in .mp4");
+        throw WrongUsage("--pictures-per-second needs a movie, whose name ends in .mp4");
 }
 
 SubjectOptions subject_options(const Request& request, const RunReader& run, cli::Tool& tool) {
@@ -166,7 +177,7 @@ SubjectOptions subject_options(const Request& request, const RunReader& run, cli
     return options;
 }
 
-/// The place and scale that the user asked for.
+/// The size, view and outline that the user asked for.
 class Framing {
  public:
     explicit Framing(const Request& request) : request_(request), size_(parse_size(request.size)) {
@@ -260,7 +271,7 @@ void run(const Request& request, cli::Tool& tool) {
     const auto picture = request.picture.extension(), input = request.input.extension();
     if (picture != ".png" && picture != ".mp4")
         throw WrongUsage(
-            fmt::format("picture '{}': the name must end in .png, or in .mp4 for a movie", request.picture.string()));
+            fmt::format("PICTURE '{}': the name must end in .png, or in .mp4 for a movie", request.picture.string()));
     const bool mesh = input == ".stl" || input == ".ply";
     if (picture == ".mp4" && (tool.given("--frame") || request.frames != "last") && request.frames != "all" &&
         request.turntable == 0)
@@ -274,7 +285,8 @@ void run(const Request& request, cli::Tool& tool) {
         draw_run(request, tool);
 }
 }  // namespace
+}  // namespace tomodem::render
 
 int main(int argc, char** argv) {
-    return cli::main(argc, argv, usage, run);
+    return tomodem::cli::main(argc, argv, tomodem::render::usage, tomodem::render::run);
 }

@@ -19,7 +19,7 @@
 
 extern char** environ;
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 bool is_there(const std::string& program) {
@@ -121,4 +121,4 @@ void Movie::commit() {
     state_->file.commit();
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -4,7 +4,7 @@
 
 #include "tools/render/image.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 
 /// An MP4 (H.264, plays everywhere), encoded by the program ffmpeg while the pictures are drawn.
 ///
@@ -26,4 +26,4 @@ class Movie {
     std::unique_ptr<State> state_;
 };
 
-}  // namespace tomodem
+}  // namespace tomodem::render

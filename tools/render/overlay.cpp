@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 constexpr Rgb ink{40, 44, 52};
@@ -118,7 +118,7 @@ std::string length_text(double mm) {
     return fmt::format("{:g} nm", mm * 1e6);
 }
 
-/// The ends and the middle, with as many digits as tell them apart.
+/// The number at a tick of the colour bar: 0 instead of a rounding error.
 std::string tick_text(double value, double low, double high) {
     const double span = std::max(std::abs(low), std::abs(high));
     const std::string text = fmt::format("{:.3g}", std::abs(value) < 1e-9 * span ? 0.0 : value);
@@ -133,7 +133,7 @@ void colour_bar(const ColourBar& bar, const Picture& picture, double unit, Overl
     for (int k = 0; k < steps; ++k)
         overlay.rectangle(left + width * k / steps, bottom, width / steps + 0.5, height,
                           colour_at(bar.map, (k + 0.5) / steps));
-    // A pointed end says that there is more beyond it.
+    // A pointed end: there are values beyond it.
     if (bar.lower_values)
         overlay.polygon({{left, bottom}, {left, bottom + height}, {left - 0.9 * height, bottom + height / 2}},
                         colour_at(bar.map, 0));
@@ -201,4 +201,4 @@ void add_overlay(const Picture& picture, const Projection& projection, int scale
     }
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -8,7 +8,7 @@
 #include "core/packing/packing.hpp"
 #include "tools/render/colour_map.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 
 struct LegendEntry {
     Rgb colour;
@@ -19,18 +19,19 @@ struct LegendEntry {
 struct ColourBar {
     ColourMap map;
     double low = 0.0, high = 1.0;
-    std::string title;                                 ///< with the unit
-    bool lower_values = false, higher_values = false;  ///< some lie beyond the ends, and have their colours
+    std::string title;  ///< with the unit
+    bool lower_values = false,
+         higher_values = false;  ///< there are values beyond the ends; they have the colours of the ends
 };
 
-/// From where one looks: along the parallel projection, z (or y, when looking along z) up.
+/// Direction of the parallel projection, with z up (y when looking along z).
 struct View {
     Vec3 towards_camera{0.6, -1.0, 0.5};
     Vec3 low, high;        ///< region that fills the picture [mm]
-    bool turning = false;  ///< it fits from every side around z, at one scale
+    bool turning = false;  ///< the scale is such that the region fits from every side around z
 };
 
-/// Triangles in one piece; a translucent one is denser where it is seen at a slant.
+/// Triangles of one mesh; a translucent surface is denser where it is seen at a slant.
 struct Surface {
     TriangleMesh mesh;
     std::vector<Rgb> colours;  ///< one a vertex
@@ -64,4 +65,4 @@ struct Picture {
     std::string arrow_key_text;  ///< what that length stands for
 };
 
-}  // namespace tomodem
+}  // namespace tomodem::render

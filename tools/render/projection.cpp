@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tomodem {
+namespace tomodem::render {
 
 Eigen::Vector2d Projection::pixel(const Vec3& place) const {
     const Vec3 offset = place - focal_point;
@@ -35,4 +35,4 @@ Projection projection(const Picture& picture) {
     return result;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -3,7 +3,7 @@
 
 #include "tools/render/picture.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 
 /// Axes of the picture plane, and the scale at which the view's region fits between the margins.
 struct Projection {
@@ -19,4 +19,4 @@ struct Projection {
 
 Projection projection(const Picture& picture);
 
-}  // namespace tomodem
+}  // namespace tomodem::render

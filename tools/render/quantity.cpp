@@ -8,7 +8,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 std::vector<std::string> component_names(int components) {
@@ -91,4 +91,4 @@ std::vector<Vec3> vectors(const RunReader& run, const std::string& field, std::s
     return result;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -4,7 +4,7 @@
 
 #include "core/packing/packing_file.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 
 /// A number of each particle that a run or sample holds, known by a name as a user gives it.
 ///
@@ -30,4 +30,4 @@ class Quantity {
 /// @throws InvalidInput naming what there is, if the run has no such field of three components
 std::vector<Vec3> vectors(const RunReader& run, const std::string& field, std::size_t frame);
 
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -8,7 +8,7 @@
 #include "tools/render/movie.hpp"
 #include "tools/render/studio.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 
 void draw_series(const Series& series, const std::function<Picture(std::size_t)>& picture, int threads,
                  Reporter& reporter) {
@@ -41,4 +41,4 @@ View turned(View view, double share) {
     return view;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::render

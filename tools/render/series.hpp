@@ -7,7 +7,7 @@
 #include "core/base/reporter.hpp"
 #include "tools/render/picture.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 
 /// Draws one picture, or several in the order given, with one window.
 struct Series {
@@ -25,4 +25,4 @@ void draw_series(const Series& series, const std::function<Picture(std::size_t)>
 /// The view turned around z by a share of a whole turn, at a scale that is the same from every side.
 View turned(View view, double share);
 
-}  // namespace tomodem
+}  // namespace tomodem::render

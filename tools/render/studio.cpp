@@ -5,19 +5,21 @@
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
+#include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
 #include <vtkUnsignedCharArray.h>
 
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "core/picture/offscreen_window.hpp"
 #include "tools/render/actors.hpp"
-#include "tools/render/offscreen_window.hpp"
 #include "tools/render/overlay.hpp"
 #include "tools/render/projection.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 constexpr int oversampling = 2;
@@ -117,4 +119,4 @@ Image Studio::draw(const Picture& picture) {
     return averaged(pixels, state_->width, state_->height);
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::render

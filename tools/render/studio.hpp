@@ -4,7 +4,7 @@
 #include "tools/render/image.hpp"
 #include "tools/render/picture.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 
 /// Where pictures of one size are drawn, one after the other, in the one window that a process has.
 ///
@@ -26,4 +26,4 @@ class Studio {
     std::unique_ptr<State> state_;
 };
 
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -10,7 +10,7 @@
 #include "core/base/error.hpp"
 #include "core/surface/reconstruction.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 /// Length in the picture of an arrow that is longer than all but a few, in diameters.
@@ -79,8 +79,8 @@ Box bounds_of_run(const RunReader& run) {
         std::vector<double> strains;
         for (std::size_t k = 0; k < run.frame_count(); ++k)
             strains.push_back(value_at(strain->second, run.frame_time(k)));
-        const auto [least, largest] = std::minmax_element(strains.begin(), strains.end());
-        frames.insert({std::size_t(least - strains.begin()), std::size_t(largest - strains.begin())});
+        const auto [smallest, largest] = std::minmax_element(strains.begin(), strains.end());
+        frames.insert({std::size_t(smallest - strains.begin()), std::size_t(largest - strains.begin())});
     }
     frames.erase(0);
     Box all = bounds(run.packing().position, radius);
@@ -104,8 +104,7 @@ Subject::Subject(const RunReader& run, SubjectOptions options, const std::vector
     const Packing& packing = run.packing();
     first_ = bounds(packing.position, packing.seed_radius);
     if (options_.colour == "object" && packing.object.empty())
-        throw InvalidInput(
-            "the packing does not tell objects apart; make it with vol2pack --objects, or colour by phase");
+        throw InvalidInput("the packing has no objects; make it with vol2pack --objects, or colour by phase");
     if (options_.only_species) {
         const std::set<std::int32_t> labels(packing.species.begin(), packing.species.end());
         if (!labels.contains(*options_.only_species))
@@ -265,4 +264,4 @@ Picture Subject::picture(std::size_t frame) const {
     return picture;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::render

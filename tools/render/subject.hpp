@@ -12,8 +12,8 @@
 #include "tools/render/picture.hpp"
 #include "tools/render/quantity.hpp"
 
-/// What of a run is in a picture, and from where it is seen.
-namespace tomodem {
+/// What a picture shows of a run, and the direction of view.
+namespace tomodem::render {
 
 enum class Cut { none, x, y };
 
@@ -21,7 +21,7 @@ struct SubjectOptions {
     std::string colour = "phase";                         ///< phase, object, none, or the name of a Quantity
     std::optional<std::pair<double, double>> range = {};  ///< of that quantity, in the file's unit
     std::optional<std::int32_t> only_species = {};        ///< label of the only phase shown
-    Cut cut = Cut::none;                                  ///< the half towards the camera is taken away
+    Cut cut = Cut::none;                                  ///< the half towards the camera is removed
     std::optional<int> slice = {};                        ///< axis across which a layer of one diameter is shown alone
     double slice_place = 0.5;                             ///< from the lower to the upper end of the sample
     std::string arrows = {};                              ///< vector shown in the slice
@@ -37,8 +37,8 @@ struct SubjectOptions {
 /// Smallest axis-parallel box that holds the spheres of this radius. @throws InvalidInput without centres
 Box bounds(const std::vector<Vec3>& centres, double radius);
 
-/// Box around the first and the last frame and those of largest and least strain, so that all pictures of one run have
-/// the same scale and place.
+/// Box around the first and the last frame and those of the largest and the smallest strain, so that all pictures of a
+/// run have the same scale and place.
 Box bounds_of_run(const RunReader& run);
 
 /// Looking at the open side of the cut, or straight at the slice, everything within `region` in the picture.
@@ -78,4 +78,4 @@ class Subject {
     double arrow_key_ = 0.0;   ///< length of the vector that the key shows
 };
 
-}  // namespace tomodem
+}  // namespace tomodem::render

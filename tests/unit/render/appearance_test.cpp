@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 std::vector<double> from_to(double low, double high, int count = 1001) {
@@ -44,7 +44,7 @@ TEST(RangeOfColours, AroundZeroIsAsLongOnBothSides) {
     EXPECT_FALSE(range.higher_values);
 }
 
-TEST(RangeOfColours, ThatIsGivenIsTaken) {
+TEST(RangeOfColours, ThatIsGivenIsUsed) {
     RangeFinder finder;
     finder.add(from_to(-300, 100));
     const ColourRange range = finder.range(std::pair{-500.0, 50.0}).value();
@@ -87,4 +87,4 @@ TEST(BarOfColours, IsInAUnitOfShortNumbers) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::render

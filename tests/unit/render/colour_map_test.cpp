@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 double distance(const Rgb& a, const Rgb& b) {
@@ -62,4 +62,4 @@ TEST(Colours, BeyondTheEndsAreThoseOfTheEnds) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -5,7 +5,7 @@
 #include "tools/render/series.hpp"
 #include "tools/render/subject.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 Picture picture_of(const Vec3& edges) {
@@ -59,4 +59,4 @@ TEST(Projection, OfASliceIsStraight) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::render

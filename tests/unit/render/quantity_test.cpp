@@ -5,7 +5,7 @@
 #include "core/base/error.hpp"
 #include "tests/unit/temporary_folder.hpp"
 
-namespace tomodem {
+namespace tomodem::render {
 namespace {
 
 using testing::ElementsAre;
@@ -87,4 +87,4 @@ TEST_F(QuantityOfARun, AsAVectorWantsThreeComponents) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::render

@@ -1,7 +1,9 @@
-#include "tools/render/offscreen_window.hpp"
+#include "core/picture/offscreen_window.hpp"
 
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkObjectFactory.h>
+#include <vtkRenderWindow.h>
+#include <vtkSmartPointer.h>
 #include <vtk_glew.h>
 
 #include <EGL/egl.h>
