@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
 #include <sched.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -9,6 +10,7 @@
 #include <cstdio>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "core/base/output_file.hpp"
@@ -182,6 +184,10 @@ int run_tool(int argc, const char* const* argv, const Usage& usage, const std::f
     try {
         const auto start = std::chrono::steady_clock::now();
         tool.line_ = parse(usage, argc, argv);
+        // --threads bounds every library that runs on TBB, and may ask for more threads than there are cores.
+        std::optional<tbb::global_control> limit;
+        if (usage.threaded())
+            limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(tool.threads()));
         if (tool.line_.answer.empty()) run(tool);
         std::fputs(tool.line_.answer.c_str(), stdout);
         if (!tool.line_.json.empty() && !tool.silent_)

@@ -57,10 +57,12 @@ assert all(abs(r['box_edge_' + axis] / edge - 1) < 1e-12 for axis in 'xyz')"
     for threads in 1 2 3; do
         "$packgen" $threads.h5 --particles 600 --density 0.66 --random-seed 4 --threads $threads --no-cache --quiet
     done
+    "$packgen" many.h5 --particles 600 --density 0.66 --random-seed 4 --threads $(($(nproc) + 3)) --no-cache --quiet 2> said.txt
+    [ ! -s said.txt ]
     "$packgen" other.h5 --particles 600 --density 0.66 --random-seed 5 --quiet
     read_packing 1.h5 "
 same = lambda name: np.array_equal(p, h5py.File(name)['particles/all/position/value'][0])
-assert same('2.h5') and same('3.h5') and not same('other.h5')"
+assert same('2.h5') and same('3.h5') and same('many.h5') and not same('other.h5')"
 }
 
 @test "the file holds the command that makes it again" {

@@ -2,6 +2,7 @@
 #include "core/cli/help.hpp"
 
 #include <gmock/gmock.h>
+#include <oneapi/tbb/global_control.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -161,7 +162,10 @@ TEST(CommandLine, AcceptsThreadsOnlyWhereTheToolUsesThem) {
     const auto status_of = [&](const Usage& usage) {
         const char* words[] = {"try", "--threads", "3"};
         CaptureStderr();
-        const int status = run_tool(3, words, usage, [&](Tool& tool) { threads = tool.threads(); });
+        const int status = run_tool(3, words, usage, [&](Tool& tool) {
+            threads = tool.threads();
+            EXPECT_EQ(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism), 3);
+        });
         GetCapturedStderr();
         return status;
     };
