@@ -365,7 +365,7 @@ TEST_F(Formats, ImageJHyperstacksOfChannelsAreRefused) {
 TEST_F(Formats, ThatAreUnknownAreNamedWithTheKnownOnes) {
     put(folder / "a.dat", "something");
     EXPECT_THAT([&] { read_label_volume(folder / "a.dat", {}); },
-                ThrowsMessage<InvalidInput>(HasSubstr("of no known format (TIFF, HDF5")));
+                ThrowsMessage<InvalidInput>(HasSubstr("of no known format (ESRF")));
     put(folder / "a.vol", "something");
     EXPECT_THAT([&] { read_label_volume(folder / "a.vol", {}); },
                 ThrowsMessage<InvalidInput>(HasSubstr("no 'a.vol.info' or '.xml' beside it")));
