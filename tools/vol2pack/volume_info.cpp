@@ -61,8 +61,8 @@ void run(const Request& request, cli::Tool& tool) {
         tool.report("extent_" + name, extent[axis], "mm");
     }
     const auto histogram = volume.histogram();
-    constexpr std::size_t most_labels = 16;
-    if (histogram.size() > most_labels) {
+    constexpr std::size_t max_labels = 16;
+    if (histogram.size() > max_labels) {
         tool.report("label_count", static_cast<std::int64_t>(histogram.size()));
         tool.warn(
             "more than 16 labels: if it is a grey image give --threshold or --otsu (a label image of grains: vol2pack "
@@ -72,7 +72,7 @@ void run(const Request& request, cli::Tool& tool) {
 
     std::vector<std::int32_t> labels;
     for (const auto& [label, voxels] : histogram) labels.push_back(label);
-    const Components components = connected_components(volume, labels, Joining::same_label);
+    const Components components = connected_components(volume, labels, Joining::same_label, Connectivity::faces, tool);
     const double all = static_cast<double>(size[0]) * size[1] * size[2];
     nlohmann::ordered_json table = nlohmann::ordered_json::array();
     for (const auto& [label, voxels] : histogram) {

@@ -27,7 +27,7 @@ std::map<std::string, std::string> fields_of_xml(const fs::path& path) {
     xmlInitParser();
     const std::unique_ptr<xmlDoc, decltype(&xmlFreeDoc)> document(
         xmlReadFile(path.c_str(), nullptr, XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING), &xmlFreeDoc);
-    if (!document) cannot_read(path, "it is no well-formed XML");
+    if (!document) cannot_read(path, "it is not well-formed XML");
     std::map<std::string, std::string> fields;
     const std::function<void(xmlNode*)> visit = [&](xmlNode* node) {
         for (; node; node = node->next) {

@@ -185,8 +185,8 @@ class Hdf5Source : public VolumeSource {
             cannot_read(path, fmt::format("{} has {} dimensions, a volume has 3 (z, y, x)", name_, dimensions));
         hsize_t zyx[3];
         H5Sget_simple_extent_dims(space, zyx, nullptr);
-        constexpr hsize_t most = 1 << 30;
-        for (hsize_t& edge : zyx) edge = std::min(edge, most);
+        constexpr hsize_t max_edge = 1 << 30;
+        for (hsize_t& edge : zyx) edge = std::min(edge, max_edge);
         check_size(path, {std::int64_t(zyx[2]), std::int64_t(zyx[1]), std::int64_t(zyx[0])});
         for (int axis = 0; axis < 3; ++axis) header_.size[axis] = static_cast<std::int32_t>(zyx[2 - axis]);
         header_.type = type_of(path, dataset_);
@@ -225,12 +225,13 @@ class Hdf5Source : public VolumeSource {
         hsize_t zyx[3];
         H5Sget_simple_extent_dims(space, zyx, nullptr);
         const Hdf5Handle type(H5Dget_type(first), H5Tclose, failure_);
-        constexpr double most = double(1 << 30);
+        constexpr double max_bytes = double(1 << 30);
         const double layer = double(chunk[0]) * (double(zyx[1]) + double(chunk[1])) *
                              (double(zyx[2]) + double(chunk[2])) * double(H5Tget_size(type));
         const Hdf5Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose, failure_);
         constexpr std::size_t slots = 100'003;
-        hdf5_check(H5Pset_chunk_cache(access, slots, static_cast<std::size_t>(std::min(layer, most)), 1.0), failure_);
+        hdf5_check(H5Pset_chunk_cache(access, slots, static_cast<std::size_t>(std::min(layer, max_bytes)), 1.0),
+                   failure_);
         return {H5Dopen2(file_, name_.c_str(), access), H5Dclose, failure_};
     }
 

@@ -21,7 +21,7 @@ struct NrrdHeader {
 NrrdHeader read_header(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     std::string line;
-    if (!file || !std::getline(file, line) || !line.starts_with("NRRD000")) cannot_read(path, "it is no NRRD file");
+    if (!file || !std::getline(file, line) || !line.starts_with("NRRD000")) cannot_read(path, "it is not an NRRD file");
     NrrdHeader header;
     for (int lines = 0; lines < 1000 && std::getline(file, line) && line.size() < 100'000; ++lines) {
         if (trimmed(line).empty()) {

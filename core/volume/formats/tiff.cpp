@@ -71,8 +71,8 @@ Layout read_layout(const TiffFile& tiff, const std::string& name) {
                     fmt::format("{} has {} values a voxel (colours?); save it as grey or palette labels, one "
                                 "value a voxel",
                                 name, samples));
-    constexpr std::uint32_t most = 1 << 20;
-    if (layout.width == 0 || layout.height == 0 || layout.width > most || layout.height > most)
+    constexpr std::uint32_t max_edge = 1 << 20;
+    if (layout.width == 0 || layout.height == 0 || layout.width > max_edge || layout.height > max_edge)
         cannot_read(tiff.path(), fmt::format("{} is {} x {} pixels by its header; the file is damaged", name,
                                              layout.width, layout.height));
     if (!TIFFIsCODECConfigured(compression))
@@ -127,8 +127,8 @@ void decode(const TiffFile& tiff, const Layout& layout, const Window& window, co
     } else {
         piece_height = std::min(tiff.tag<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, layout.height), layout.height);
     }
-    constexpr std::int64_t most = 1 << 21;  // pixels an edge, and a guard against sizes that only damage explains
-    if (piece_width < 1 || piece_height < 1 || piece_width > most || piece_height > most ||
+    constexpr std::int64_t max_edge = 1 << 21;  // pixels per edge: a guard against sizes that only damage explains
+    if (piece_width < 1 || piece_height < 1 || piece_width > max_edge || piece_height > max_edge ||
         piece_width * piece_height > std::int64_t{1} << 32)
         cannot_read(tiff.path(),
                     fmt::format("{} has strips or tiles of {} x {} pixels by its header; the file is damaged", name,

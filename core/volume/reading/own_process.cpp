@@ -57,10 +57,10 @@ bool receive_all(int socket, void* data, std::size_t bytes) {
     return true;
 }
 
-void limit(int resource, rlim_t most) {
+void limit(int resource, rlim_t max) {
     rlimit now{};
     getrlimit(resource, &now);
-    now.rlim_cur = std::min(now.rlim_max, most);
+    now.rlim_cur = std::min(now.rlim_max, max);
     setrlimit(resource, &now);
 }
 

@@ -189,9 +189,9 @@ Source open_raw(VolumeHeader header, RawVoxels where) {
     const bool swap = where.big_endian && bytes_of(header.type) > 1;
     Source source;
     if (where.deflated) {
-        constexpr double most_packed = 1100;  // deflate packs at most 1032 bytes into one
+        constexpr double max_ratio = 1100;  // deflate packs at most 1032 bytes into one
         const double wanted = double(header.size[0]) * header.size[1] * header.size[2] * double(bytes_of(header.type));
-        if (wanted > most_packed * static_cast<double>(file_bytes(where.files.front())))
+        if (wanted > max_ratio * static_cast<double>(file_bytes(where.files.front())))
             cannot_read(where.files.front(),
                         fmt::format("it is too short for {} x {} x {} voxels, even packed; it is cut, "
                                     "or its header is damaged",

@@ -26,7 +26,7 @@ using testing::ThrowsMessage;
 constexpr VoxelIndex size{7, 5, 11};
 constexpr int voxel_count = 7 * 5 * 11;
 
-/// A label that tells where its voxel is, whatever the axes are called.
+/// A label that encodes where its voxel is, whatever the axes are called.
 std::int32_t label_at(int i) {
     return 1 + (i * 37) % 199;
 }
