@@ -93,7 +93,7 @@ std::int64_t GreyHistogram::voxels() const {
     return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
 }
 
-GreyHistogram grey_histogram(GreySlabs& slabs, int threads, Reporter& reporter) {
+GreyHistogram count_grey_values(GreySlabs& slabs, int threads, Reporter& reporter) {
     const VoxelIndex size = slabs.size();
     GreyHistogram histogram;
     const bool few = bytes_of(slabs.type()) <= 2;
