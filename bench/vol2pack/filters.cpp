@@ -16,8 +16,9 @@
 #include "core/packing/packing_file.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
 
+namespace tomodem::vol2pack {
 namespace {
-using namespace tomodem;
+
 constexpr double pi = std::numbers::pi;
 
 struct Request {
@@ -26,9 +27,12 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    cli::Usage usage("bench_vol2pack_filters", "Filters of vol2pack on spheres and rods of known volume and surface.");
-    usage.inputs("bricks", request.bricks, "periodic packings (.h5)")
-        .option("--work", request.work, cli::Unit::none, cli::positive, "repetitions, 1: about three minutes");
+    cli::Usage usage("bench_vol2pack_filters",
+                     "Measure the filters of vol2pack on spheres and rods of known volume and surface.");
+    usage.inputs("BRICK", request.bricks, "Periodic packings (.h5).")
+        .threads()
+        .option("--work", request.work, cli::Unit::none, cli::positive,
+                "Factor on the number of repetitions; 1 takes about three minutes.");
     return usage;
 }
 
@@ -84,6 +88,7 @@ struct Outcome {
 };
 
 void run(const Request& request, cli::Tool& tool) {
+    const int threads = tool.threads();
     std::vector<Packing> bricks;
     for (const auto& path : request.bricks) bricks.push_back(read_packing(path));
     std::vector<std::pair<std::string, LabelFilter>> filters{{"nearest", {}}};
@@ -125,15 +130,14 @@ void run(const Request& request, cli::Tool& tool) {
                     }();
                     const double true_volume = rod ? double(volume.histogram()[2]) : 4 * pi / 3 * std::pow(radius, 3);
                     const double true_surface =
-                        rod ? measure_image(volume, 1, tool.threads()).label[2].surface : 4 * pi * radius * radius;
+                        rod ? measure_image(volume, 1, threads).label[2].surface : 4 * pi * radius * radius;
                     for (std::size_t f = 0; f <= filters.size(); ++f) {
                         const Places places =
-                            f == 0 ? exact
-                                   : label_places(volume, tiling, nullptr, filters[f - 1].second, tool.threads());
+                            f == 0 ? exact : label_places(volume, tiling, nullptr, filters[f - 1].second, threads);
                         Outcome& outcome = outcomes[f];
                         const auto count = places.count();
                         const double held = count.contains(2) ? double(count.at(2)) : 0;
-                        auto surfaces = particle_surfaces(tiling, places, needles, tool.threads());
+                        auto surfaces = particle_surfaces(tiling, places, needles, threads);
                         std::int64_t wrong = 0;
                         for (std::size_t i = 0; i < places.label.size(); ++i)
                             wrong += places.label[i] >= 0 && places.label[i] != exact.label[i];
@@ -152,8 +156,10 @@ void run(const Request& request, cli::Tool& tool) {
                 }
             }
 }
+
 }  // namespace
+}  // namespace tomodem::vol2pack
 
 int main(int argc, char** argv) {
-    return cli::main(argc, argv, usage, run);
+    return tomodem::cli::main(argc, argv, tomodem::vol2pack::usage, tomodem::vol2pack::run);
 }

@@ -27,7 +27,7 @@ with tempfile.TemporaryDirectory() as folder:
     subprocess.run([tools / "packgen", "brick.h5", "--particles", "20000", "--density", "0.70", "--quiet"], check=True)
     subprocess.run([tools / "phantom_inclusions", "image.tif", "--size", str(options.size), "--voxel-size", "1um",
                     "--fraction", "0.2", "--count", "300", "--gap", "3", "--quiet"], check=True)
-    print(f"load {os.getloadavg()[0]:.1f}; wall seconds, least of {options.runs} runs; CPU seconds and memory of all")
+    print(f"load {os.getloadavg()[0]:.1f}; wall seconds, smallest of {options.runs} runs; CPU seconds and memory of all")
     for words in (["--filter", "nearest"], ["--filter", "box"], ["--filter", "level-set"],
                   ["--filter", "level-set", "--skip-components"]):
         best = None

@@ -1,4 +1,4 @@
-// Reads a volume as every tool does and says what it cost: one process, so that its peak memory is that of reading.
+// Reads a volume as every tool does and prints what it cost: one process, so that its peak memory is that of reading.
 //
 // usage: bench_read_volume VOLUME [THRESHOLD]
 #include <fmt/format.h>

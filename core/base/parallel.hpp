@@ -1,4 +1,6 @@
 #pragma once
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -8,6 +10,7 @@
 #include <exception>
 #include <limits>
 #include <mutex>
+#include <optional>
 
 namespace tomodem {
 
@@ -32,6 +35,10 @@ void parallel_for(std::int64_t count, int threads, const Body& body) {
             }
         }
     };
+    // TBB starts more threads than there are cores only where that is allowed, and prints a warning otherwise.
+    std::optional<tbb::global_control> allowed;
+    if (threads > tbb::info::default_concurrency())
+        allowed.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     tbb::task_arena arena(std::max(1, threads));
     arena.execute([&] { tbb::parallel_for(std::int64_t{0}, count, work); });
     if (error) std::rethrow_exception(error);

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "core/base/units.hpp"
+#include "core/volume/volume_files.hpp"
+#include "core/volume/volume_format.hpp"
 
 namespace tomodem {
 namespace {
@@ -43,27 +45,34 @@ std::int32_t whole_number(const std::string& flag, const std::string& text, std:
 
 cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request) {
     return usage
-        .input("volume", request.path, volume_files,
-               "tomography: TIFF, folder of numbered slices, 'pattern*.tif', HDF5 (FILE.h5:/dataset), MetaImage, NRRD, "
-               "ESRF .vol or .raw, .vdb")
+        .input("VOLUME", request.path, volume_files,
+               fmt::format("Tomography: a file ({}), a folder of numbered slices, a pattern ('scan_*.tif'), or a "
+                           "dataset (FILE.h5:/path).",
+                           volume_format_names()))
         .option("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive,
-                "edge of a voxel; needed where the file does not say it, checked where it does")
+                "Edge of a voxel. Required where the file does not hold it; where it does, the two must agree.")
         .option("--slice-spacing", request.slice_spacing, cli::Unit::length, cli::positive,
-                "distance of the slices, where it is not the voxel size")
-        .option("--origin", request.origin, "world coordinates of the first voxel's corner, as 0mm,0mm,1.2mm")
-        .option("--roi", request.roi, "voxels to keep, as x0:x1,y0:y1,z0:z1 counted from 0, the second not included")
-        .option("--bin", request.bin, "voxels along each axis that become one, as 2 or 2x2x1")
+                "Distance between slices; without it, the voxel size.")
+        .option("--origin", request.origin,
+                "World coordinates of the first voxel's corner, as 0mm,0mm,1.2mm; without it, those in the file, or 0.")
+        .option(
+            "--roi", request.roi,
+            "Region of voxels to read, as x0:x1,y0:y1,z0:z1 counted from 0, without x1, y1 and z1; without it, all.")
+        .option("--bin", request.bin,
+                "Number of voxels along each axis that are merged into one, as 2 or 2x2x1; without it, none are.")
         .option("--threshold", request.threshold,
-                "the image is grey: voxels above this value become label 1, the others 0; 83,140 makes labels 0, 1, 2")
-        .option("--otsu", request.otsu, cli::Unit::none, {1, 2},
-                "the image is grey: find 1 or 2 thresholds by Otsu's method (grey_histogram shows them)")
-        .option("--relabel", request.relabel, "labels to rename on reading, as 255=1,2=0")
-        .option("--raw-size", request.raw_size, "the file is raw voxels, x fastest: their numbers, as 200x200x100")
+                "Segment a grey image: voxels above this value get label 1, the others 0; 83,140 gives labels 0, 1, 2.")
+        .option(
+            "--otsu", request.otsu, cli::Unit::none, {1, 2},
+            "Segment a grey image by this number of thresholds, found by Otsu's method (grey_histogram shows them).")
+        .option("--relabel", request.relabel, "Labels to replace on reading, as 255=1,2=0; others stay.")
+        .option("--raw-size", request.raw_size,
+                "Read the file as raw voxels, x fastest, of these numbers along x, y, z, as 200x200x100.")
         .option("--raw-type", request.raw_type,
-                "of raw voxels: uint8, int8, uint16 ... int64, float32, float64 (or u8, i8, u16 ... f64)")
-        .choice("--raw-byte-order", request.raw_byte_order, {"little", "big"}, "of raw voxels")
+                "Type of the raw voxels: uint8, int8, uint16 ... int64, float32, float64 (or u8, i8, u16 ... f64).")
+        .choice("--raw-byte-order", request.raw_byte_order, {"little", "big"}, "Byte order of the raw voxels.")
         .option("--raw-offset", request.raw_offset, cli::Unit::none, cli::not_negative,
-                "bytes before the first raw voxel")
+                "Number of bytes before the first raw voxel.")
         .exclusive({"--threshold", "--otsu"})
         .threads();
 }
@@ -154,6 +163,32 @@ std::map<std::string, std::string> parse_properties(const std::string& flag, con
     return properties;
 }
 
+std::vector<LabelObjects> parse_label_objects(const std::string& flag, const std::string& text) {
+    const auto refuse = [&](const std::string& why) { throw WrongUsage(fmt::format("{} '{}': {}", flag, text, why)); };
+    std::vector<LabelObjects> objects;
+    const char* at = text.data();
+    const char* const end = text.data() + text.size();
+    const auto number = [&](std::int32_t& value, char then) {
+        const auto [stop, error] = std::from_chars(at, end, value);
+        if (error != std::errc() || value < 1 ||
+            (then == ',' ? stop != end && *stop != ',' : stop == end || *stop != then))
+            refuse("expected FIRST:LAST=LABEL of whole numbers from 1, as 2:500=1");
+        at = stop == end ? end : stop + 1;
+    };
+    do {
+        LabelObjects range;
+        number(range.first, ':');
+        number(range.last, '=');
+        number(range.species, ',');
+        if (range.last < range.first) refuse("the last label is smaller than the first");
+        for (const LabelObjects& other : objects)
+            if (range.first <= other.last && other.first <= range.last) refuse("a label is in two ranges");
+        objects.push_back(range);
+    } while (at != end);
+    std::sort(objects.begin(), objects.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    return objects;
+}
+
 std::vector<std::int32_t> parse_labels(const std::string& flag, const std::string& text) {
     std::vector<std::int32_t> labels;
     for (const auto part : split(text, ','))
@@ -161,6 +196,10 @@ std::vector<std::int32_t> parse_labels(const std::string& flag, const std::strin
     std::sort(labels.begin(), labels.end());
     labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
     return labels;
+}
+
+Connectivity connectivity_of(const std::string& neighbours) {
+    return neighbours == "6" ? Connectivity::faces : neighbours == "18" ? Connectivity::edges : Connectivity::corners;
 }
 
 std::array<VoxelIndex, 2> parse_roi(const std::string& flag, const std::string& text) {

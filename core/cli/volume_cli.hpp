@@ -2,6 +2,7 @@
 #include <string>
 
 #include "core/cli/cli.hpp"
+#include "core/volume/regions.hpp"
 #include "core/volume/volume.hpp"
 
 namespace tomodem {
@@ -39,8 +40,14 @@ std::map<std::int32_t, std::string> parse_label_names(const std::string& flag, c
 /// @throws WrongUsage naming `flag`
 std::map<std::string, std::string> parse_properties(const std::string& flag, const std::string& text);
 
+/// "2:500=1,501:600=2" -> {{2, 500, 1}, {501, 600, 2}}, sorted. @throws WrongUsage naming `flag`
+std::vector<LabelObjects> parse_label_objects(const std::string& flag, const std::string& text);
+
 /// "1,2" -> {1, 2}, sorted. @throws WrongUsage naming `flag`
 std::vector<std::int32_t> parse_labels(const std::string& flag, const std::string& text);
+
+/// "6" -> faces, "18" -> edges, "26" -> corners: the choices of --connectivity.
+Connectivity connectivity_of(const std::string& neighbours);
 
 /// "x0:x1,y0:y1,z0:z1", x1 not included; {first voxel, number of voxels}. @throws WrongUsage naming `flag`
 std::array<VoxelIndex, 2> parse_roi(const std::string& flag, const std::string& text);

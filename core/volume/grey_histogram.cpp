@@ -93,7 +93,7 @@ std::int64_t GreyHistogram::voxels() const {
     return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
 }
 
-GreyHistogram grey_histogram(GreySlabs& slabs, int threads, Reporter& reporter) {
+GreyHistogram count_grey_values(GreySlabs& slabs, int threads, Reporter& reporter) {
     const VoxelIndex size = slabs.size();
     GreyHistogram histogram;
     const bool few = bytes_of(slabs.type()) <= 2;
@@ -171,8 +171,8 @@ std::vector<double> otsu_thresholds(const GreyHistogram& histogram, int levels) 
     std::size_t first = 0, end = all.size();
     while (first < end && all[first] == 0) ++first;
     while (end > first && all[end - 1] == 0) --end;
-    constexpr std::size_t most = 4096;
-    const std::size_t step = (end - first + most - 1) / most;
+    constexpr std::size_t max_bins = 4096;
+    const std::size_t step = (end - first + max_bins - 1) / max_bins;
     std::vector<std::int64_t> counts;
     for (std::size_t i = first; i < end; i += step)
         counts.push_back(std::accumulate(all.begin() + static_cast<std::ptrdiff_t>(i),

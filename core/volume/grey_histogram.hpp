@@ -50,7 +50,7 @@ struct GreyHistogram {
 /// the smallest to the largest.
 /// @throws InvalidInput if there is no number in it
 /// @note   passes over the file once, or twice for other values
-GreyHistogram grey_histogram(GreySlabs& slabs, int threads = 1, Reporter& reporter = silent_reporter());
+GreyHistogram count_grey_values(GreySlabs& slabs, int threads = 1, Reporter& reporter = silent_reporter());
 
 struct VolumeOptions;
 

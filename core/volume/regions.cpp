@@ -3,38 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 
 #include "core/base/error.hpp"
 
 namespace tomodem {
-
-std::vector<LabelObjects> parse_label_objects(const std::string& flag, const std::string& text) {
-    const auto refuse = [&](const std::string& why) { throw WrongUsage(fmt::format("{} '{}': {}", flag, text, why)); };
-    std::vector<LabelObjects> objects;
-    const char* at = text.data();
-    const char* const end = text.data() + text.size();
-    const auto number = [&](std::int32_t& value, char then) {
-        const auto [stop, error] = std::from_chars(at, end, value);
-        if (error != std::errc() || value < 1 ||
-            (then == ',' ? stop != end && *stop != ',' : stop == end || *stop != then))
-            refuse("expected FIRST:LAST=LABEL of whole numbers from 1, as 2:500=1");
-        at = stop == end ? end : stop + 1;
-    };
-    do {
-        LabelObjects range;
-        number(range.first, ':');
-        number(range.last, '=');
-        number(range.species, ',');
-        if (range.last < range.first) refuse("the last label is smaller than the first");
-        for (const LabelObjects& other : objects)
-            if (range.first <= other.last && other.first <= range.last) refuse("a label is in two ranges");
-        objects.push_back(range);
-    } while (at != end);
-    std::sort(objects.begin(), objects.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    return objects;
-}
 
 namespace {
 
@@ -57,8 +30,9 @@ Histogram species_histogram(const LabelVolume& volume, const std::vector<LabelOb
 }
 
 Regions component_regions(const LabelVolume& volume, const std::vector<std::int32_t>& labels,
-                          const std::vector<std::int32_t>& object_labels, Connectivity connectivity) {
-    Regions regions{connected_components(volume, labels, Joining::same_label, connectivity), {}, {}};
+                          const std::vector<std::int32_t>& object_labels, Connectivity connectivity,
+                          Reporter& reporter) {
+    Regions regions{connected_components(volume, labels, Joining::same_label, connectivity, reporter), {}, {}};
     for (const std::int32_t label : regions.components.label)
         regions.is_object.push_back(std::find(object_labels.begin(), object_labels.end(), label) !=
                                     object_labels.end());
@@ -66,7 +40,8 @@ Regions component_regions(const LabelVolume& volume, const std::vector<std::int3
     return regions;
 }
 
-void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector<LabelObjects>& objects) {
+void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector<LabelObjects>& objects,
+                        Reporter& reporter) {
     Components& components = regions.components;
     std::map<std::int32_t, std::int32_t> region_of;
     for (const auto& [label, voxels] : volume.histogram())
@@ -84,6 +59,7 @@ void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector
                 fmt::format("the image has no label from {} to {} to make objects of", range.first, range.last));
     const std::int32_t depth = volume.size()[2];
     std::vector<std::int32_t> labels, numbers;
+    const auto progress = reporter.progress("label objects", depth);
     for (std::int32_t k = 0; k < depth; k += LabelVolume::slab) {
         const std::int32_t count = std::min(LabelVolume::slab, depth - k);
         volume.slices(k, count, labels);
@@ -102,12 +78,13 @@ void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector
         }
         volume.set_slices(k, count, labels);
         components.number.set_slices(k, count, numbers);
+        progress->update(k + count);
     }
 }
 
-std::optional<Regions> tell_regions_apart(LabelVolume& volume, const std::vector<std::int32_t>& object_labels,
-                                          const std::vector<LabelObjects>& objects, Connectivity connectivity,
-                                          Regions::Of of) {
+std::optional<Regions> distinguish_regions(LabelVolume& volume, const std::vector<std::int32_t>& object_labels,
+                                           const std::vector<LabelObjects>& objects, Connectivity connectivity,
+                                           Regions::Of of, Reporter& reporter) {
     std::vector<std::int32_t> labels;
     for (const auto& [label, voxels] : volume.histogram())
         if (!range_of(label, objects) &&
@@ -115,8 +92,8 @@ std::optional<Regions> tell_regions_apart(LabelVolume& volume, const std::vector
              std::find(object_labels.begin(), object_labels.end(), label) != object_labels.end()))
             labels.push_back(label);
     if (labels.empty() && objects.empty()) return std::nullopt;
-    Regions regions = component_regions(volume, labels, object_labels, connectivity);
-    if (!objects.empty()) take_label_objects(volume, regions, objects);
+    Regions regions = component_regions(volume, labels, object_labels, connectivity, reporter);
+    if (!objects.empty()) take_label_objects(volume, regions, objects, reporter);
     return regions;
 }
 

@@ -14,15 +14,12 @@ struct LabelObjects {
     std::int32_t first = 0, last = 0, species = 0;
 };
 
-/// "2:500=1,501:600=2" -> {{2, 500, 1}, {501, 600, 2}}. @throws WrongUsage naming `flag`
-std::vector<LabelObjects> parse_label_objects(const std::string& flag, const std::string& text);
-
 using Histogram = std::map<std::int32_t, std::int64_t>;
 
 /// Voxels of each label that the sample will have.
 Histogram species_histogram(const LabelVolume& volume, const std::vector<LabelObjects>& objects);
 
-/// The parts of an image that are told apart: connected components, or labels that are objects.
+/// The parts of an image that are distinguished: connected components, or labels that are objects.
 struct Regions {
     enum class Of { objects, everything };
     Components components;                  ///< `label` is that of the sample
@@ -32,18 +29,20 @@ struct Regions {
 
 /// Connected components of `labels`; those of `object_labels` are objects.
 Regions component_regions(const LabelVolume& volume, const std::vector<std::int32_t>& labels,
-                          const std::vector<std::int32_t>& object_labels, Connectivity connectivity);
+                          const std::vector<std::int32_t>& object_labels, Connectivity connectivity,
+                          Reporter& reporter = silent_reporter());
 
 /// Takes labels of the image as objects: they get a region each (in order of the labels), and their voxels the label of
 /// their phase.
 /// @param regions  of the other labels; numbered first
 /// @throws InvalidInput if a range has none of the image's labels
-void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector<LabelObjects>& objects);
+void take_label_objects(LabelVolume& volume, Regions& regions, const std::vector<LabelObjects>& objects,
+                        Reporter& reporter = silent_reporter());
 
 /// Both in one: the components of `object_labels`, or of everything, and the labels of the image that are objects.
-/// @return nothing where nothing is to be told apart
-std::optional<Regions> tell_regions_apart(LabelVolume& volume, const std::vector<std::int32_t>& object_labels,
-                                          const std::vector<LabelObjects>& objects, Connectivity connectivity,
-                                          Regions::Of of);
+/// @return nothing where no regions are asked for
+std::optional<Regions> distinguish_regions(LabelVolume& volume, const std::vector<std::int32_t>& object_labels,
+                                           const std::vector<LabelObjects>& objects, Connectivity connectivity,
+                                           Regions::Of of, Reporter& reporter = silent_reporter());
 
 }  // namespace tomodem

@@ -1,4 +1,4 @@
-// The only file with OpenVDB headers: they cost over 30 s a translation unit.
+// OpenVDB costs over 30 s a translation unit: its headers are here and in formats/vdb.cpp, and in no header.
 #include "core/volume/volume.hpp"
 
 #include <fmt/format.h>
@@ -368,8 +368,8 @@ bool LabelVolume::Sampler::State::gather(const VoxelIndex& centre, std::int32_t 
 
 std::int32_t LabelVolume::Sampler::State::smooth(const VoxelIndex& centre, const Vec3& offset, double width) {
     // Whole numbers, so that equal shares tie exactly.
-    constexpr std::int32_t most = 64;
-    std::array<std::array<std::int64_t, most>, 3> weights;
+    constexpr std::int32_t max_edge = 64;
+    std::array<std::array<std::int64_t, max_edge>, 3> weights;
     for (int axis = 0; axis < 3; ++axis) {
         double below = smoothing_integral((first[axis] - centre[axis] - 0.5 - offset[axis]) / width);
         for (std::int32_t i = first[axis]; i < end[axis]; ++i) {

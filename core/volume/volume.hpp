@@ -159,12 +159,14 @@ struct Components {
 
 /// @note time linear in the voxels; beside the result two slabs and 8 bytes for each run of equal voxels along x
 Components connected_components(const LabelVolume& volume, const std::vector<std::int32_t>& labels,
-                                Joining joining = Joining::any_label, Connectivity connectivity = Connectivity::faces);
+                                Joining joining = Joining::any_label, Connectivity connectivity = Connectivity::faces,
+                                Reporter& reporter = silent_reporter());
 
 /// Gives each component of `labels` (same_label, by these neighbours) with fewer than `min_voxels` voxels the label
 /// that most of its outer face neighbours have (ties: the smallest), as they were before. @return number of components
 /// that were changed
 std::int64_t remove_small_components(LabelVolume& volume, const std::vector<std::int32_t>& labels,
-                                     std::int64_t min_voxels, Connectivity by = Connectivity::faces);
+                                     std::int64_t min_voxels, Connectivity by = Connectivity::faces,
+                                     Reporter& reporter = silent_reporter());
 
 }  // namespace tomodem

@@ -103,13 +103,14 @@ void for_each_slice(const LabelVolume& volume, const Visit& visit) {
 }  // namespace
 
 Components connected_components(const LabelVolume& volume, const std::vector<std::int32_t>& labels, Joining joining,
-                                Connectivity connectivity) {
+                                Connectivity connectivity, Reporter& reporter) {
     // Rows one step away share faces, and edges where x differs too; rows two steps away share edges, and corners.
     const std::int32_t reach_near = connectivity == Connectivity::faces ? 0 : 1;
     const std::int32_t reach_far = connectivity == Connectivity::corners ? 1 : 0;
     std::vector<std::int32_t> wanted = labels;
     std::sort(wanted.begin(), wanted.end());
     const VoxelIndex size = volume.size();
+    const auto progress = reporter.progress("components", 2.0 * size[2]);
 
     UnionFind sets;
     SliceRuns current, previous;
@@ -131,6 +132,7 @@ Components connected_components(const LabelVolume& volume, const std::vector<std
             if (y > 0) join_rows(current, y, previous, y - 1, reach_far, joining, sets);
             if (y + 1 < size[1]) join_rows(current, y, previous, y + 1, reach_far, joining, sets);
         }
+        progress->update(k + 1);
     });
 
     // The second pass meets the same runs in the same order; a root is met before the other runs of its component.
@@ -161,13 +163,14 @@ Components connected_components(const LabelVolume& volume, const std::vector<std
             }
         if (in_slab == LabelVolume::slab - 1 || k == size[2] - 1)
             result.number.set_slices(k - in_slab, in_slab + 1, numbers);
+        progress->update(size[2] + k + 1);
     });
     return result;
 }
 
 std::int64_t remove_small_components(LabelVolume& volume, const std::vector<std::int32_t>& labels,
-                                     std::int64_t min_voxels, Connectivity by) {
-    const Components components = connected_components(volume, labels, Joining::same_label, by);
+                                     std::int64_t min_voxels, Connectivity by, Reporter& reporter) {
+    const Components components = connected_components(volume, labels, Joining::same_label, by, reporter);
     const VoxelIndex size = volume.size();
     const std::int64_t page = std::int64_t{size[0]} * size[1];
     std::map<std::int32_t, std::map<std::int32_t, std::int64_t>> neighbours;  // of each small component
@@ -207,9 +210,9 @@ std::int64_t remove_small_components(LabelVolume& volume, const std::vector<std:
     std::map<std::int32_t, std::int32_t> replacement;
     for (const auto& [number, counts] : neighbours) {
         if (counts.empty()) continue;
-        const auto most = std::max_element(counts.begin(), counts.end(),
-                                           [](const auto& a, const auto& b) { return a.second < b.second; });
-        replacement[number] = most->first;
+        const auto most_frequent = std::max_element(counts.begin(), counts.end(),
+                                                    [](const auto& a, const auto& b) { return a.second < b.second; });
+        replacement[number] = most_frequent->first;
     }
     for_each_slab(0, [&](std::int32_t k, std::int32_t count, std::int32_t, std::int32_t) {
         bool changed = false;

@@ -174,7 +174,7 @@ GreyImage read_grey_histogram(const std::string& spec, const VolumeOptions& opti
     const auto source = open_volume(spec, options.raw);
     source->use_threads(threads);
     GreySlabs slabs(*source, region_of(spec, source->header().size, options), options.bin, threads);
-    return {grey_histogram(slabs, threads, reporter), description_of(source->header(), nullptr)};
+    return {count_grey_values(slabs, threads, reporter), description_of(source->header(), nullptr)};
 }
 
 LabelVolume read_label_volume(const std::string& spec, const VolumeOptions& options) {
@@ -199,7 +199,7 @@ LabelledImage read_image(const std::string& spec, const VolumeOptions& options, 
     const VoxelIndex size = slabs.size();
     std::vector<double> thresholds = options.thresholds, otsu;
     if (options.otsu_levels > 0) {
-        otsu = otsu_thresholds(grey_histogram(slabs, threads, reporter), options.otsu_levels);
+        otsu = otsu_thresholds(count_grey_values(slabs, threads, reporter), options.otsu_levels);
         thresholds = otsu;
     }
 

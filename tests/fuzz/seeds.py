@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""Writes one small valid file of each format, for the fuzzer to start from.
+"""Writes small valid files of each format, for the fuzzer to start from.
 
-usage: seeds.py FOLDER          FOLDER/tiff/..., FOLDER/nrrd/... are written
+usage: seeds.py FOLDER          FOLDER/a.tif/..., FOLDER/a.nrrd/... are written: folders with the name that a file of
+                                its kind has when it is read
 """
 import gzip
 import pathlib
@@ -29,23 +30,23 @@ for number, (kind, compression) in enumerate([(np.uint8, 0), (np.uint16, 1), (np
     writer = vtkTIFFWriter()
     writer.SetInputData(image)
     writer.SetCompression(compression)
-    (folder / "tiff").mkdir(parents=True, exist_ok=True)
-    writer.SetFileName(str(folder / "tiff" / f"{number}.tif"))
+    (folder / "a.tif").mkdir(parents=True, exist_ok=True)
+    writer.SetFileName(str(folder / "a.tif" / f"{number}.tif"))
     writer.Write()
 meta = "ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = 2 3 4\nElementSpacing = 1 1 2\nElementType = MET_UCHAR\n"
-put("metaimage", "local", meta.encode() + b"ElementDataFile = LOCAL\n" + voxels.tobytes())
-put("metaimage", "packed", meta.encode() + b"CompressedData = True\nElementDataFile = LOCAL\n" + zlib.compress(voxels.tobytes()))
-put("metaimage", "beside", meta + "HeaderSize = -1\nElementDataFile = data\n")
-put("metaimage", "list", meta + "ElementDataFile = LIST\ndata\ndata\n")
-put("metaimage", "pattern", meta + "ElementDataFile = a%03d.raw 1 4 1\n")
+put("a.mha", "local", meta.encode() + b"ElementDataFile = LOCAL\n" + voxels.tobytes())
+put("a.mha", "packed", meta.encode() + b"CompressedData = True\nElementDataFile = LOCAL\n" + zlib.compress(voxels.tobytes()))
+put("a.mha", "beside", meta + "HeaderSize = -1\nElementDataFile = data\n")
+put("a.mha", "list", meta + "ElementDataFile = LIST\ndata\ndata\n")
+put("a.mha", "pattern", meta + "ElementDataFile = a%03d.raw 1 4 1\n")
 nrrd = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 3 4\nendian: little\nspace units: \"um\" \"um\" \"um\"\n"
-put("nrrd", "raw", nrrd + b"spacings: 1 1 2\nencoding: raw\n\n" + voxels.tobytes())
-put("nrrd", "packed", nrrd + b"space directions: (1,0,0) (0,1,0) (0,0,2)\nencoding: gzip\n\n" + gzip.compress(voxels.tobytes()))
-put("nrrd", "beside", nrrd + b"encoding: raw\nbyte skip: -1\ndata file: data\n")
-put("esrf_info", "info", "NUM_X = 2\nNUM_Y = 3\nNUM_Z = 4\nvoxelSize = 2.4\nBYTEORDER = LOWBYTEFIRST\n")
-put("esrf_xml", "xml", "<tomodb2><v><SIZEX>2</SIZEX><SIZEY>3</SIZEY><SIZEZ>4</SIZEZ><BYTE_ORDER>LOW</BYTE_ORDER></v></tomodb2>")
-(folder / "hdf5").mkdir(parents=True, exist_ok=True)
-with h5py.File(folder / "hdf5" / "chunked", "w", libver="latest") as file:
+put("a.nrrd", "raw", nrrd + b"spacings: 1 1 2\nencoding: raw\n\n" + voxels.tobytes())
+put("a.nrrd", "packed", nrrd + b"space directions: (1,0,0) (0,1,0) (0,0,2)\nencoding: gzip\n\n" + gzip.compress(voxels.tobytes()))
+put("a.nrrd", "beside", nrrd + b"encoding: raw\nbyte skip: -1\ndata file: data\n")
+put("a.raw.info", "info", "NUM_X = 2\nNUM_Y = 3\nNUM_Z = 4\nvoxelSize = 2.4\nBYTEORDER = LOWBYTEFIRST\n")
+put("a.raw.xml", "xml", "<tomodb2><v><SIZEX>2</SIZEX><SIZEY>3</SIZEY><SIZEZ>4</SIZEZ><BYTE_ORDER>LOW</BYTE_ORDER></v></tomodb2>")
+(folder / "a.h5").mkdir(parents=True, exist_ok=True)
+with h5py.File(folder / "a.h5" / "chunked", "w", libver="latest") as file:
     data = file.create_dataset("exchange/data", data=voxels, chunks=(2, 2, 2), compression="gzip")
     data.attrs["element_size_um"] = [2.0, 1.0, 1.0]
-put("openvdb", "start", b" BDV" + bytes(8))
+put("a.vdb", "start", b" BDV" + bytes(8))

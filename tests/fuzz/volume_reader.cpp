@@ -1,14 +1,18 @@
 // libFuzzer target: one file of a volume format, of any content, is read or refused by InvalidInput.
 //
-// FUZZ_NAME is the name of the file that the bytes are written to; its extension chooses the reader.
+// The environment's TOMODEM_FUZZ_FILE is the name of the file that the bytes are written to ("a.nrrd"); its extension
+// chooses the format. "list" prints a name for each extension of the registered formats.
 #include <unistd.h>
 
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "core/base/error.hpp"
+#include "core/volume/volume_files.hpp"
+#include "core/volume/volume_format.hpp"
 #include "core/volume/volume_source.hpp"
 
 namespace fs = std::filesystem;
@@ -29,12 +33,26 @@ const fs::path& folder() {
     return made;
 }
 
+std::string file_name() {
+    const char* const name = std::getenv("TOMODEM_FUZZ_FILE");
+    return name ? name : "a";
+}
+
 }  // namespace
 
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+    if (file_name() != "list") return 0;
+    for (const tomodem::VolumeFormat& format : tomodem::volume_formats())
+        for (const std::string& extension : format.extensions) std::printf("a%s\n", extension.c_str());
+    std::fflush(stdout);
+    _exit(0);
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    const fs::path file = folder() / FUZZ_NAME;
+    static const fs::path file = folder() / file_name();
     std::ofstream(file, std::ios::binary)
         .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+    tomodem::volume_files(file);
     try {
         const auto source = tomodem::open_volume(file);
         const tomodem::VolumeHeader& header = source->header();

@@ -24,7 +24,7 @@
 #include "core/base/output_file.hpp"
 #include "core/picture/offscreen_window.hpp"
 
-namespace tomodem {
+namespace tomodem::grey_histogram {
 namespace {
 
 vtkSmartPointer<vtkTable> curve(const char* name, const std::vector<std::pair<double, double>>& points) {
@@ -113,4 +113,4 @@ void draw_histogram(const GreyHistogram& histogram, const std::vector<double>& t
     output.commit();
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::grey_histogram

@@ -1,4 +1,4 @@
-// grey_histogram: how often each grey value occurs in a tomography, and where to cut.
+// grey_histogram: how often each grey value occurs in a tomography, and the thresholds that segment it.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,8 +10,8 @@
 #include "core/volume/grey_histogram.hpp"
 #include "tools/grey_histogram/chart.hpp"
 
+namespace tomodem::grey_histogram {
 namespace {
-using namespace tomodem;
 
 struct Request {
     VolumeRequest volume;
@@ -19,12 +19,13 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    cli::Usage usage("grey_histogram", "Histogram of a grey tomography as a picture, with the thresholds that cut it.");
+    cli::Usage usage("grey_histogram", "Draw the histogram of a grey tomography with the thresholds that segment it.");
     add_volume(usage, request.volume)
-        .output("picture", request.picture, "picture to write (.png)")
+        .output("PICTURE", request.picture, "Picture to write.", {".png"})
         .example("grey_histogram grey.tif histogram.png                     # Otsu's threshold")
-        .example("grey_histogram scan.h5 histogram.png --otsu 2 --bin 4     # two of them, of a coarser image")
-        .example("grey_histogram grey/ histogram.png --threshold 83,140     # what your own thresholds give");
+        .example("grey_histogram scan.h5 histogram.png --otsu 2 --bin 4     # two thresholds, of a coarser image")
+        .example("grey_histogram grey/ histogram.png --threshold 83,140     # your own thresholds")
+        .step(cli::Step::image);
     return usage;
 }
 
@@ -53,8 +54,10 @@ void run(const Request& request, cli::Tool& tool) {
     tool.report("bin_width", histogram.width);
     draw_histogram(histogram, options.thresholds, request.picture, tool.threads());
 }
+
 }  // namespace
+}  // namespace tomodem::grey_histogram
 
 int main(int argc, char** argv) {
-    return cli::main(argc, argv, usage, run);
+    return tomodem::cli::main(argc, argv, tomodem::grey_histogram::usage, tomodem::grey_histogram::run);
 }

@@ -5,13 +5,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numbers>
 #include <numeric>
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 
-namespace tomodem {
+namespace tomodem::phantom {
 namespace {
 
 /// A convex polyhedron as its faces, each a loop of corners.
@@ -88,10 +89,13 @@ double square_distance(const Vec3& point, const Strut& strut) {
 
 /// Squared distance [voxels^2] of each voxel's centre to the nearest strut, where it is less than reach^2.
 std::vector<float> square_distances(const std::vector<Strut>& struts, VoxelIndex size, double voxel_size, double reach,
-                                    int threads) {
+                                    int threads, Reporter& reporter) {
     const std::int64_t page = std::int64_t{size[0]} * size[1];
     std::vector<float> distances(page * size[2], static_cast<float>(reach * reach));
     const std::int32_t slabs = (size[2] + LabelVolume::slab - 1) / LabelVolume::slab;
+    const auto progress = reporter.progress("distances", slabs);
+    std::mutex one_at_a_time;
+    std::int32_t done = 0;
     parallel_for(slabs, threads, [&](std::int64_t slab) {
         const auto k0 = static_cast<std::int32_t>(slab) * LabelVolume::slab;
         const std::int32_t k1 = std::min(k0 + LabelVolume::slab, size[2]);
@@ -116,6 +120,8 @@ std::vector<float> square_distances(const std::vector<Strut>& struts, VoxelIndex
                                           static_cast<float>(square_distance(Vec3(x + 0.5, y + 0.5, z + 0.5), strut)));
                 }
         }
+        const std::scoped_lock lock(one_at_a_time);
+        progress->update(++done);
     });
     return distances;
 }
@@ -179,7 +185,7 @@ std::vector<Strut> foam_struts(const Vec3& edges, double cell, double irregulari
 }
 
 Foam draw_foam(const std::vector<Strut>& struts, VoxelIndex size, double voxel_size, double relative_density,
-               int threads) {
+               int threads, Reporter& reporter) {
     const std::int64_t page = std::int64_t{size[0]} * size[1], voxels = page * size[2];
     const auto wanted = static_cast<std::int64_t>(std::llround(relative_density * static_cast<double>(voxels)));
 
@@ -189,7 +195,7 @@ Foam draw_foam(const std::vector<Strut>& struts, VoxelIndex size, double voxel_s
     double reach = 2 + 1.5 * std::sqrt(relative_density * static_cast<double>(voxels) / (std::numbers::pi * length));
     std::vector<float> distances, sorted;
     for (;;) {
-        distances = square_distances(struts, size, voxel_size, reach, threads);
+        distances = square_distances(struts, size, voxel_size, reach, threads, reporter);
         sorted.clear();
         const auto limit = static_cast<float>(reach * reach);
         std::copy_if(distances.begin(), distances.end(), std::back_inserter(sorted),
@@ -211,7 +217,8 @@ Foam draw_foam(const std::vector<Strut>& struts, VoxelIndex size, double voxel_s
             for (std::int64_t i = 0; i < page * count; ++i) labels[i] = distances[k * page + i] <= square;
             foam.volume.set_slices(k, count, labels);
         }
-        const Components components = connected_components(foam.volume, {1});
+        const Components components =
+            connected_components(foam.volume, {1}, Joining::any_label, Connectivity::faces, reporter);
         const auto largest = std::max_element(components.voxels.begin(), components.voxels.end());
         const auto number = static_cast<std::int32_t>(largest - components.voxels.begin() + 1);
         foam.solid_voxels = *largest;
@@ -249,4 +256,4 @@ Foam draw_foam(const std::vector<Strut>& struts, VoxelIndex size, double voxel_s
     return foam;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::phantom

@@ -4,7 +4,7 @@
 #include "core/volume/volume.hpp"
 #include "tools/phantom/spheres.hpp"
 
-namespace tomodem {
+namespace tomodem::phantom {
 
 struct Strut {
     Vec3 from, to;
@@ -29,6 +29,6 @@ struct Foam {
 /// @throws InvalidInput if the struts would be too thin for the voxels to hold together
 /// @note   4 bytes a voxel for the distances beside the volume
 Foam draw_foam(const std::vector<Strut>& struts, VoxelIndex size, double voxel_size, double relative_density,
-               int threads);
+               int threads, Reporter& reporter = silent_reporter());
 
-}  // namespace tomodem
+}  // namespace tomodem::phantom

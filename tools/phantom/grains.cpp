@@ -8,7 +8,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tomodem {
+namespace tomodem::phantom {
 namespace {
 
 double sphere_diameter(double volume) {
@@ -31,9 +31,9 @@ std::vector<double> volumes_of_sum(double total, const std::function<double()>& 
     std::vector<double> volumes;
     double sum = 0;
     for (;;) {
-        constexpr std::size_t most = 2'000'000;
-        if (volumes.size() == most)
-            throw InvalidInput(fmt::format("the fraction asks for more than {} grains; make them larger", most));
+        constexpr std::size_t max_grains = 2'000'000;
+        if (volumes.size() == max_grains)
+            throw InvalidInput(fmt::format("the fraction asks for more than {} grains; make them larger", max_grains));
         const double next = draw();
         if (sum + next > total && (sum + next - total >= total - sum) && !volumes.empty()) break;
         volumes.push_back(next);
@@ -98,4 +98,4 @@ std::vector<Grain> draw_pores(const PoreRequest& request, double volume, Random&
     return grains;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::phantom

@@ -4,13 +4,13 @@
 
 #include "tools/phantom/spheres.hpp"
 
-namespace tomodem {
+namespace tomodem::phantom {
 
 /// What fixes the inclusions: two of the three.
 struct InclusionRequest {
     std::optional<double> fraction;
     std::optional<std::int64_t> count;
-    std::optional<std::array<double, 2>> diameter;  ///< least and largest [mm], uniform between them
+    std::optional<std::array<double, 2>> diameter;  ///< smallest and largest [mm], uniform between them
 };
 
 /// Spheres, not yet placed. With a fraction and a range of diameters their number is the one that comes nearest to the
@@ -28,4 +28,4 @@ struct PoreRequest {
 /// Pores, not yet placed; their volumes meet the porosity as draw_inclusions does.
 std::vector<Grain> draw_pores(const PoreRequest& request, double volume, Random& random);
 
-}  // namespace tomodem
+}  // namespace tomodem::phantom

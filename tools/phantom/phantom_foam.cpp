@@ -6,8 +6,8 @@
 #include "tools/phantom/foam.hpp"
 #include "tools/phantom/truth.hpp"
 
+namespace tomodem::phantom {
 namespace {
-using namespace tomodem;
 
 struct Request {
     std::filesystem::path volume, truth;
@@ -17,20 +17,23 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage("phantom_foam", "Synthetic tomography: open-cell foam (label 1) of a given relative density.")
-        .output("volume", request.volume, "label volume to write (.tif); its truth goes into the .json beside it")
-        .option("--size", request.size, "voxels along each edge, as 100 or 100x100x150")
-        .required("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive, "edge of a voxel")
+    return cli::Usage("phantom_foam",
+                      "Make a synthetic tomography: open-cell foam (label 1) of a given relative density.")
+        .output("VOLUME", request.volume, "Label volume to write; its truth goes into the .json file beside it.",
+                {".tif", ".tiff"})
+        .option("--size", request.size, "Number of voxels along each edge, as 100 or 100x100x150.")
+        .required("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive, "Edge of a voxel.")
         .required("--relative-density", request.relative_density, cli::Unit::fraction, {0, 0.6, false, true},
-                  "part of the voxels that is solid; the radius of the struts follows from it")
+                  "Fraction of the voxels that is solid; the radius of the struts follows from it.")
         .option("--cells", request.cells, cli::Unit::none, {1, 100},
-                "cubes of two cells along the shortest edge of the volume")
+                "Number of cubes of two cells along the shortest edge of the volume.")
         .option("--irregularity", request.irregularity, cli::Unit::fraction, {0, 1},
-                "0: Kelvin's cells, all alike; 1: the centres of the cells are moved by up to half their distance")
+                "0 gives Kelvin's cells, all alike; 1 moves the centres of the cells by up to half their distance.")
         .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,
-                "another one, another phantom")
-        .output_option("--truth", request.truth, "where the truth goes instead (.json)")
+                "Seed of the random numbers; each gives another phantom.")
+        .output_option("--truth", request.truth, "Write the truth to this file instead.", {".json"})
         .threads()
+        .step(cli::Step::image)
         .example("phantom_foam foam.tif --size 150 --voxel-size 20um --relative-density 0.1 --cells 4");
 }
 
@@ -42,7 +45,7 @@ void run(const Request& request, cli::Tool& tool) {
 
     Random random(static_cast<std::uint64_t>(request.random_seed));
     const auto struts = foam_struts(edges, cell, request.irregularity, random, tool);
-    const Foam foam = draw_foam(struts, size, request.voxel_size, request.relative_density, tool.threads());
+    const Foam foam = draw_foam(struts, size, request.voxel_size, request.relative_density, tool.threads(), tool);
 
     auto truth = truth_of(foam.volume, tool.provenance(), request.random_seed, {{0, "void"}, {1, "solid"}}, {});
     truth["relative_density"] = request.relative_density;
@@ -55,8 +58,10 @@ void run(const Request& request, cli::Tool& tool) {
     tool.report("strut_radius_voxels", foam.strut_radius / request.voxel_size, "voxels");
     write_phantom(foam.volume, request.volume, truth, truth_file, tool);
 }
+
 }  // namespace
+}  // namespace tomodem::phantom
 
 int main(int argc, char** argv) {
-    return cli::main(argc, argv, usage, run);
+    return tomodem::cli::main(argc, argv, tomodem::phantom::usage, tomodem::phantom::run);
 }

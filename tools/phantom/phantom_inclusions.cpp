@@ -5,8 +5,8 @@
 #include "tools/phantom/grains.hpp"
 #include "tools/phantom/truth.hpp"
 
+namespace tomodem::phantom {
 namespace {
-using namespace tomodem;
 
 struct Request {
     std::filesystem::path volume, truth;
@@ -17,19 +17,24 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage("phantom_inclusions",
-                      "Synthetic tomography: spherical inclusions (label 2) in a matrix (label 1).")
-        .output("volume", request.volume, "label volume to write (.tif); its truth goes into the .json beside it")
-        .option("--size", request.size, "voxels along each edge, as 100 or 100x100x150")
-        .required("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive, "edge of a voxel")
-        .option("--fraction", request.fraction, cli::Unit::fraction, {0, 1, false, false}, "volume of the inclusions")
-        .option("--count", request.count, cli::Unit::none, cli::positive, "number of inclusions")
-        .option("--diameter", request.diameter, "diameter of the inclusions, as 60um, or its range, as 40um:80um")
+                      "Make a synthetic tomography: spherical inclusions (label 2) in a matrix (label 1).")
+        .output("VOLUME", request.volume, "Label volume to write; its truth goes into the .json file beside it.",
+                {".tif", ".tiff"})
+        .option("--size", request.size, "Number of voxels along each edge, as 100 or 100x100x150.")
+        .required("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive, "Edge of a voxel.")
+        .option("--fraction", request.fraction, cli::Unit::fraction, {0, 1, false, false},
+                "Volume fraction of the inclusions.")
+        .option("--count", request.count, cli::Unit::none, cli::positive, "Number of inclusions.")
+        .option("--diameter", request.diameter,
+                "Diameter of the inclusions, as 60um, or its range, as 40um:80um. Give two of --fraction, --count and "
+                "--diameter.")
         .option("--gap", request.gap, cli::Unit::voxels, cli::not_negative,
-                "least distance of an inclusion to the others and to the faces; below 2 they may touch in the voxels")
+                "Smallest distance of an inclusion from others and from the faces; below 2 their voxels may touch.")
         .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,
-                "another one, another phantom")
-        .output_option("--truth", request.truth, "where the truth goes instead (.json)")
+                "Seed of the random numbers; each gives another phantom.")
+        .output_option("--truth", request.truth, "Write the truth to this file instead.", {".json"})
         .threads()
+        .step(cli::Step::image)
         .example("phantom_inclusions composite.tif --voxel-size 2.4um --fraction 0.2 --count 20")
         .example(
             "phantom_inclusions composite.tif --size 200x200x300 --voxel-size 2.4um --fraction 0.1 "
@@ -42,7 +47,7 @@ std::optional<std::array<double, 2>> diameters(const std::string& text) {
         const auto colon = text.find(':');
         const double low = units::length(text.substr(0, colon));
         const double high = colon == std::string::npos ? low : units::length(text.substr(colon + 1));
-        if (!(low > 0) || high < low) throw InvalidInput("expected 0 < least <= largest");
+        if (!(low > 0) || high < low) throw InvalidInput("expected 0 < smallest <= largest");
         return {{low, high}};
     } catch (const InvalidInput& error) {
         throw WrongUsage("--diameter '" + text + "': " + error.what());
@@ -73,8 +78,10 @@ void run(const Request& request, cli::Tool& tool) {
     tool.report("count", static_cast<std::int64_t>(grains.size()));
     write_phantom(raster.volume, request.volume, truth, truth_file, tool);
 }
+
 }  // namespace
+}  // namespace tomodem::phantom
 
 int main(int argc, char** argv) {
-    return cli::main(argc, argv, usage, run);
+    return tomodem::cli::main(argc, argv, tomodem::phantom::usage, tomodem::phantom::run);
 }

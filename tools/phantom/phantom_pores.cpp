@@ -4,8 +4,8 @@
 #include "tools/phantom/grains.hpp"
 #include "tools/phantom/truth.hpp"
 
+namespace tomodem::phantom {
 namespace {
-using namespace tomodem;
 
 struct Request {
     std::filesystem::path volume, truth;
@@ -16,24 +16,27 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage("phantom_pores", "Synthetic tomography: closed casting pores (label 0) in a solid (label 1).")
-        .output("volume", request.volume, "label volume to write (.tif); its truth goes into the .json beside it")
-        .option("--size", request.size, "voxels along each edge, as 100 or 100x100x150")
-        .required("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive, "edge of a voxel")
+    return cli::Usage("phantom_pores",
+                      "Make a synthetic tomography: closed casting pores (label 0) in a solid (label 1).")
+        .output("VOLUME", request.volume, "Label volume to write; its truth goes into the .json file beside it.",
+                {".tif", ".tiff"})
+        .option("--size", request.size, "Number of voxels along each edge, as 100 or 100x100x150.")
+        .required("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive, "Edge of a voxel.")
         .required("--porosity", request.pores.porosity, cli::Unit::fraction, {0, 1, false, false},
-                  "volume of the pores")
+                  "Volume fraction of the pores.")
         .required("--median-diameter", request.pores.median_diameter, cli::Unit::length, cli::positive,
-                  "of the sphere of equal volume")
+                  "Median diameter of the pores, each taken as the sphere of equal volume.")
         .option("--spread", request.pores.spread, cli::Unit::none, cli::not_negative,
-                "standard deviation of the logarithm of the diameter, which is normal")
+                "Standard deviation of the natural logarithm of the diameter (a log-normal distribution).")
         .option("--clusters", request.pores.cluster_share, cli::Unit::fraction, {0, 1},
-                "part of the pores that are no spheres but clusters of 3 to 5 overlapping ones")
+                "Fraction of the pores that are clusters of 3 to 5 overlapping spheres; the others are spheres.")
         .option("--gap", request.gap, cli::Unit::voxels, cli::not_negative,
-                "least distance of a pore to the others and to the faces; below 2 they may touch in the voxels")
+                "Smallest distance of a pore from others and from the faces; below 2 their voxels may touch.")
         .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,
-                "another one, another phantom")
-        .output_option("--truth", request.truth, "where the truth goes instead (.json)")
+                "Seed of the random numbers; each gives another phantom.")
+        .output_option("--truth", request.truth, "Write the truth to this file instead.", {".json"})
         .threads()
+        .step(cli::Step::image)
         .example("phantom_pores casting.tif --size 120 --voxel-size 10um --porosity 0.02 --median-diameter 120um");
 }
 
@@ -54,8 +57,10 @@ void run(const Request& request, cli::Tool& tool) {
     tool.report("count", static_cast<std::int64_t>(pores.size()));
     write_phantom(raster.volume, request.volume, truth, truth_file, tool);
 }
+
 }  // namespace
+}  // namespace tomodem::phantom
 
 int main(int argc, char** argv) {
-    return cli::main(argc, argv, usage, run);
+    return tomodem::cli::main(argc, argv, tomodem::phantom::usage, tomodem::phantom::run);
 }

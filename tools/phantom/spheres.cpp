@@ -10,7 +10,7 @@
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 
-namespace tomodem {
+namespace tomodem::phantom {
 namespace {
 
 /// A sphere around a grain, for the first look.
@@ -25,19 +25,19 @@ void move(Grain& grain, const Vec3& by) {
     for (Sphere& sphere : grain.spheres) sphere.centre += by;
 }
 
-/// Least distance between the surfaces; negative when they overlap. `between` becomes the vector from a to b there.
+/// Smallest distance between the surfaces; negative when they overlap. `between` becomes the vector from a to b there.
 double surface_distance(const Grain& a, const Grain& b, Vec3& between) {
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     for (const Sphere& one : a.spheres)
         for (const Sphere& other : b.spheres) {
             const Vec3 line = other.centre - one.centre;
             const double distance = line.norm() - one.radius - other.radius;
-            if (distance < least) {
-                least = distance;
+            if (distance < smallest) {
+                smallest = distance;
                 between = line;
             }
         }
-    return least;
+    return smallest;
 }
 
 /// Pushes a grain back into the box; true when it stuck out.
@@ -234,10 +234,10 @@ std::vector<Grain> place_without_overlap(std::vector<Grain> grains, const Vec3& 
     }
     if (all_placed) return grains;
 
-    constexpr int most_steps = 4000;
+    constexpr int max_steps = 4000;
     // Aim at a slightly larger gap: what is left after the last push is then still enough.
     const double aim = gap + 1e-3 * largest;
-    for (int step = 0; step < most_steps; ++step) {
+    for (int step = 0; step < max_steps; ++step) {
         push_apart(grains, edges, aim, neighbours);
         bool enough = true;
         neighbours.clear();
@@ -305,4 +305,4 @@ Raster rasterise(const std::vector<Grain>& grains, VoxelIndex size, double voxel
     return raster;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::phantom

@@ -6,7 +6,7 @@
 #include "core/packing/packing.hpp"
 #include "core/volume/volume.hpp"
 
-namespace tomodem {
+namespace tomodem::phantom {
 
 struct Sphere {
     Vec3 centre;
@@ -57,4 +57,4 @@ struct Raster {
 Raster rasterise(const std::vector<Grain>& grains, VoxelIndex size, double voxel_size, std::int32_t label,
                  std::int32_t background, int threads = 1, Reporter& reporter = silent_reporter());
 
-}  // namespace tomodem
+}  // namespace tomodem::phantom

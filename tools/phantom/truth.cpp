@@ -4,10 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/base/error.hpp"
 #include "core/base/output_file.hpp"
 
-namespace tomodem {
+namespace tomodem::phantom {
 namespace {
 
 std::vector<double> numbers(const Vec3& vector) {
@@ -65,11 +64,7 @@ nlohmann::ordered_json grains_truth(const std::vector<Grain>& grains, const std:
 }
 
 std::filesystem::path truth_path(const std::filesystem::path& volume, const std::filesystem::path& wanted) {
-    std::filesystem::path path = wanted;
-    if (path.empty()) path = std::filesystem::path(volume).replace_extension(".json");
-    if (path == volume)
-        throw WrongUsage("the volume and its truth cannot be the same file; give another name to --truth");
-    return path;
+    return wanted.empty() ? std::filesystem::path(volume).replace_extension(".json") : wanted;
 }
 
 void write_phantom(const LabelVolume& volume, const std::filesystem::path& path, const nlohmann::ordered_json& truth,
@@ -81,4 +76,4 @@ void write_phantom(const LabelVolume& volume, const std::filesystem::path& path,
     write_label_volume(volume, path, reporter);
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::phantom

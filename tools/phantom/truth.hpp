@@ -8,7 +8,7 @@
 #include "core/volume/volume.hpp"
 #include "tools/phantom/spheres.hpp"
 
-namespace tomodem {
+namespace tomodem::phantom {
 
 /// The truth of a phantom: how it was made, size, voxel size, and of each label the voxels and their fraction.
 /// @param names      name of each label
@@ -28,4 +28,4 @@ std::filesystem::path truth_path(const std::filesystem::path& volume, const std:
 void write_phantom(const LabelVolume& volume, const std::filesystem::path& path, const nlohmann::ordered_json& truth,
                    const std::filesystem::path& truth_path, Reporter& reporter);
 
-}  // namespace tomodem
+}  // namespace tomodem::phantom

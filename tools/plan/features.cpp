@@ -128,7 +128,7 @@ ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int t
     }
     add(Feature::Kind::pores, "void", diameters);
     if (static_cast<double>(open_voxels) * voxel_volume > foam_void * found.extent.prod()) {
-        auto geometry = measure_image(solid_of(volume), found.extent.minCoeff(), threads);
+        auto geometry = vol2pack::measure_image(solid_of(volume), found.extent.minCoeff(), threads);
         std::vector<double>& thickness = geometry.label[1].thickness;
         if (!thickness.empty())
             found.features.push_back({Feature::Kind::struts, "solid", static_cast<std::int64_t>(thickness.size()),

@@ -11,7 +11,7 @@
 
 #include "core/base/parallel.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -108,7 +108,7 @@ class Ray {
         for (int z = -reach; z <= reach; ++z)
             for (int y = -reach; y <= reach; ++y)
                 for (int x = -reach; x <= reach; ++x) {
-                    // Beyond the volume it goes on as at its faces.
+                    // Beyond the volume the labels continue as at its faces.
                     VoxelIndex voxel{middle[0] + x, middle[1] + y, middle[2] + z};
                     Vec3 offset;
                     for (int axis = 0; axis < 3; ++axis) {
@@ -256,7 +256,7 @@ std::map<std::int32_t, double> particle_surfaces(const Tiling& tiling, const Pla
         if (halves == 0 || a == Places::outside || b == Places::outside) return;
         Counts& mine = of_tile[tile];
         mine.length += halves * lengths[i] / 2;
-        const std::int32_t label_a = Places::seen(a), label_b = Places::seen(b);
+        const std::int32_t label_a = Places::label_of_image(a), label_b = Places::label_of_image(b);
         if (label_a == label_b) return;
         mine.half_crossings[label_a] += halves;
         mine.half_crossings[label_b] += halves;
@@ -409,4 +409,4 @@ void report_geometric_error(const GeometricError& error, Reporter& reporter) {
     reporter.report_json("geometric_error", error.json());
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

@@ -9,7 +9,7 @@
 #include "core/volume/volume.hpp"
 #include "tools/vol2pack/sample.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 
 /// Area of the boundary of each label [mm^2], faces of the volume left out, estimated by Buffon's needles: a needle of
 /// length r at a random place and of a random direction has its ends in different labels with the probability
@@ -21,9 +21,9 @@ namespace tomodem {
 /// cubes; 2 million of them at most. A label's area is good to about 1 / sqrt(needles that cross it). Needles that
 /// leave the volume end in its mirror image, so that an interface which reaches a face counts to its end.
 ///
-/// The same needles tell how thick a label is: where one of them crosses the boundary, the length of the normal that
-/// starts there and runs inwards to the next boundary. It is the thickness of a plate and the diameter of a rod or a
-/// sphere. Normals are those of the indicator smoothed over two voxels. A normal that leaves the volume counts as
+/// The same needles give the thickness of a label: where one of them crosses the boundary, the length of the normal
+/// that starts there and runs inwards to the next boundary. It is the thickness of a plate and the diameter of a rod or
+/// a sphere. Normals are those of the indicator smoothed over two voxels. A normal that leaves the volume counts as
 /// `cap`.
 struct ImageGeometry {
     struct Label {
@@ -36,8 +36,8 @@ struct ImageGeometry {
     std::map<std::int32_t, Label> label;
 };
 
-/// @param cap  thicknesses beyond it are not told apart [mm]
-/// @note  needs no memory to speak of; at most about a second of CPU time, whatever the size of the volume
+/// @param cap  thicknesses beyond it count as this [mm]
+/// @note  needs little memory; at most about a second of CPU time, whatever the size of the volume
 ImageGeometry measure_image(const LabelVolume& volume, double cap, int threads);
 
 /// The same surfaces of the particles: needles are pairs of neighbouring particles, those in void and in the margin
@@ -88,4 +88,4 @@ double largest_volume_error(const std::map<std::int32_t, std::int64_t>& voxels,
 
 void report_geometric_error(const GeometricError& error, Reporter& reporter);
 
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

@@ -8,14 +8,15 @@
 #include "core/cli/cli.hpp"
 #include "core/cli/volume_cli.hpp"
 #include "core/packing/packing_file.hpp"
+#include "core/volume/volume_files.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
-#include "tools/vol2pack/phase_clock.hpp"
 #include "tools/vol2pack/phase_report.hpp"
 #include "tools/vol2pack/resolution.hpp"
 #include "tools/vol2pack/sample.hpp"
+#include "tools/vol2pack/stage_clock.hpp"
 
+namespace tomodem::vol2pack {
 namespace {
-using namespace tomodem;
 
 struct Request {
     std::filesystem::path brick, sample;
@@ -32,46 +33,53 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    cli::Usage usage("vol2pack", "Fill a segmented tomography with a periodic packing; each particle takes its label.");
-    usage.input("brick", request.brick, "periodic packing (.h5, from packgen), repeated as far as the image goes");
+    cli::Usage usage("vol2pack",
+                     "Fill a segmented tomography with a periodic packing; each particle gets the label at its place.");
+    usage.input("BRICK", request.brick, "Periodic packing (.h5, from packgen); it is repeated to cover the image.");
     add_volume(usage, request.volume)
-        .output("sample", request.sample, "sample to write (.h5)")
+        .output("SAMPLE", request.sample, "Sample to write.", {".h5"})
         .option("--pixels-per-seed", request.pixels_per_seed, cli::Unit::voxels, cli::positive,
-                "radius of a particle's seed, in edges of a voxel along x; smaller is finer and costs more")
-        .option("--max-error", request.max_error, cli::Unit::percent, cli::positive,
-                "instead: the coarsest resolution at which the volume of every label, void included, is this close")
+                "Radius of a particle's seed, in voxel edges along x; a smaller one gives more particles.")
+        .option(
+            "--max-error", request.max_error, cli::Unit::percent, cli::positive,
+            "Choose the coarsest resolution at which the volume of every label, void included, has at most this error.")
         .exclusive({"--pixels-per-seed", "--max-error"})
-        .choice("--filter", request.filter, {"level-set", "nearest", "box"},
-                "label on whose side of a smooth interface the centre is, or of the voxel at the centre, or the one "
-                "that fills most of a box around it")
+        .choice(
+            "--filter", request.filter, {"level-set", "nearest", "box"},
+            "How a particle gets its label: by the side of a smoothed interface that its centre is on, by the voxel at "
+            "its centre, or by the label that fills most of a box around it.")
         .option("--smoothing", request.smoothing, cli::Unit::voxels, {0.2, 8, true, true},
-                "width of the smoothing of --filter level-set")
+                "Width of the smoothing of --filter level-set.")
         .option("--box-size", request.box_size, cli::Unit::none, cli::positive,
-                "edge of the box of --filter box, in diameters of a seed")
+                "Edge of the box of --filter box, in seed diameters.")
         .option("--labels", request.labels,
-                "names of the labels, as 1=matrix,2=inclusion; a label of the image that is not named is then an error")
+                "Names of the labels, as 1=matrix,2=inclusion; if given, every label of the image needs one.")
         .option("--objects", request.objects,
-                "labels of which each connected component becomes an object of its own, as 2,3; or all")
-        .option("--label-objects", request.label_objects,
-                "labels of the image that are one object each, and their label in the sample, as 2:500=1 (watershed)")
+                "Labels whose connected components become separate objects, as 2,3, or all; without it, none.")
+        .option(
+            "--label-objects", request.label_objects,
+            "Labels of the image that are one object each (from a watershed), and the label of those objects in the "
+            "sample, as 2:500=1.")
         .choice("--connectivity", request.connectivity, {"6", "18", "26"},
-                "neighbours of a voxel: by faces, by edges too, by corners too")
+                "Neighbours of a voxel: those that share a face with it, an edge too, or a corner too.")
         .option("--min-component", request.min_component, cli::Unit::voxels, cli::not_negative,
-                "smaller connected components, void apart, take the label that surrounds them")
+                "Give connected components smaller than this the label around them; void is left as it is.")
         .flag("--skip-components", request.skip_components,
-              "do not count components lost and merged: saves time and memory with very large images")
+              "Do not count the components that the sample loses or merges; saves time and memory with large images.")
         .option("--property", request.property,
-                "another volume of the same grid as a property of the particles, as temperature=t.tif,damage=d.h5:/d")
+                "Other volumes of the same size, stored as properties of the particles, as "
+                "temperature=t.tif,damage=d.h5:/d.")
         .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,
-                "shift and rotate the brick at random, for several samples of one image; 0: as it is")
+                "Shift and rotate the brick at random, to get different samples of one image; 0 leaves it as it is.")
         .option("--max-particles", request.max_particles, cli::Unit::particles, cli::positive,
-                "refuse to make more (a wrong scale fills the memory)")
+                "Fail if the sample would have more particles than this.")
         .example("vol2pack brick.h5 stack/ sample.h5 --voxel-size 2.4um --pixels-per-seed 2")
         .example(
             "vol2pack brick.h5 stack/ sample.h5 --voxel-size 2.4um --max-error 2% --labels 1=strut --random-seed 3")
         .example(
             "vol2pack brick.h5 stack.tif sample.h5 --voxel-size 3um --pixels-per-seed 4 "
-            "--labels 1=inclusion,2=matrix --objects 1 --connectivity 26 --min-component 27");
+            "--labels 1=inclusion,2=matrix --objects 1 --connectivity 26 --min-component 27")
+        .step(cli::Step::sample);
     return usage;
 }
 
@@ -83,12 +91,6 @@ LabelFilter filter_of(const Request& request, cli::Tool& tool) {
                         : request.filter == "nearest" ? Filter::nearest
                                                       : Filter::level_set;
     return {kind, request.box_size, request.smoothing};
-}
-
-Connectivity connectivity_of(const Request& request) {
-    return request.connectivity == "6"    ? Connectivity::faces
-           : request.connectivity == "18" ? Connectivity::edges
-                                          : Connectivity::corners;
 }
 
 std::vector<std::int32_t> labels_with_objects(const Request& request, const Histogram& image) {
@@ -105,8 +107,8 @@ void remove_small(LabelVolume& volume, const Request& request, cli::Tool& tool) 
     std::vector<std::int32_t> solid;
     for (const auto& [label, voxels] : volume.histogram())
         if (label != 0) solid.push_back(label);
-    tool.report("small_components_removed",
-                remove_small_components(volume, solid, request.min_component, connectivity_of(request)));
+    tool.report("small_components_removed", remove_small_components(volume, solid, request.min_component,
+                                                                    connectivity_of(request.connectivity), tool));
 }
 
 double seed_radius_of(const Request& request, const LabelVolume& volume, const Packing& brick, cli::Tool& tool) {
@@ -119,7 +121,8 @@ double seed_radius_of(const Request& request, const LabelVolume& volume, const P
                                           .filter = filter_of(request, tool),
                                           .random_seed = static_cast<std::uint64_t>(request.random_seed),
                                           .max_particles = request.max_particles,
-                                          .threads = tool.threads()});
+                                          .threads = tool.threads()},
+                                         tool);
     report_resolution(steps, max_error, tool);
     return steps.back().pixels_per_seed * pixel;
 }
@@ -136,31 +139,32 @@ void run(const Request& request, cli::Tool& tool) {
                                    : parse_label_objects("--label-objects", request.label_objects);
     const auto properties = request.property.empty() ? std::map<std::string, std::string>{}
                                                      : parse_properties("--property", request.property);
-    for (const auto& [name, file] : properties) open_volume(file);  // what is missing is said before the work
+    for (const auto& [name, file] : properties) open_volume(file);  // a missing file is an error before the work
 
-    PhaseClock clock;
+    StageClock clock;
     const Packing brick = read_packing(request.brick);
     LabelVolume volume = read_volume(request.volume, volume_request, tool);
     clock.done("reading");
     const Histogram image = species_histogram(volume, label_objects);
     const auto object_labels = labels_with_objects(request, image);
-    constexpr std::size_t most_labels = 16;
-    if (image.size() > most_labels && request.labels.empty() && request.objects.empty() && label_objects.empty())
+    constexpr std::size_t max_labels = 16;
+    if (image.size() > max_labels && request.labels.empty() && request.objects.empty() && label_objects.empty())
         throw InvalidInput(
             fmt::format("the image has {} labels: if it is grey give --threshold or --otsu, if its labels are "
                         "grains --label-objects, else name them by --labels",
                         image.size()));
     check_labels(image, names, object_labels);
     remove_small(volume, request, tool);
-    const auto regions = tell_regions_apart(volume, object_labels, label_objects, connectivity_of(request),
-                                            request.skip_components ? Regions::Of::objects : Regions::Of::everything);
+    const auto regions =
+        distinguish_regions(volume, object_labels, label_objects, connectivity_of(request.connectivity),
+                            request.skip_components ? Regions::Of::objects : Regions::Of::everything, tool);
     clock.done("components");
 
     const double seed_radius = seed_radius_of(request, volume, brick, tool);
     clock.done("resolution");
     const Tiling tiling(brick, seed_radius, {volume.origin(), volume.extent(), {false, false, false}},
                         static_cast<std::uint64_t>(request.random_seed), request.max_particles);
-    Sample sample = sample_volume(volume, tiling, regions ? &*regions : nullptr, filter, tool.threads());
+    Sample sample = sample_volume(volume, tiling, regions ? &*regions : nullptr, filter, tool.threads(), tool);
     clock.done("sampling");
 
     for (const auto& [name, file] : properties) {
@@ -187,8 +191,10 @@ void run(const Request& request, cli::Tool& tool) {
     clock.done("writing");
     clock.report(tool);
 }
+
 }  // namespace
+}  // namespace tomodem::vol2pack
 
 int main(int argc, char** argv) {
-    return cli::main(argc, argv, usage, run);
+    return tomodem::cli::main(argc, argv, tomodem::vol2pack::usage, tomodem::vol2pack::run);
 }

@@ -9,7 +9,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 namespace {
 
 std::string labels_of(const std::map<std::int32_t, std::int64_t>& image) {
@@ -21,7 +21,7 @@ std::string labels_of(const std::map<std::int32_t, std::int64_t>& image) {
     return fmt::format("{}{}", fmt::join(labels, ", "), count > shown ? fmt::format(" ... ({} labels)", count) : "");
 }
 
-std::string called(const Phase& phase) {
+std::string described(const Phase& phase) {
     return phase.name.empty() ? fmt::format("label {}", phase.label)
                               : fmt::format("label {} ({})", phase.label, phase.name);
 }
@@ -91,7 +91,7 @@ void check_phases(const std::vector<Phase>& phases) {
             throw InvalidInput(
                 fmt::format("{} has {} voxels but no particle; use fewer --pixels-per-seed, or leave the "
                             "label out with --relabel {}=0 or --min-component",
-                            called(phase), phase.voxels_used, phase.label));
+                            described(phase), phase.voxels_used, phase.label));
 }
 
 void report_phases(const std::vector<Phase>& phases, Reporter& reporter) {
@@ -128,4 +128,4 @@ void report_objects(const Sample& sample, Reporter& reporter) {
                         sample.lost_components(), sample.components));
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

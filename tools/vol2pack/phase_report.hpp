@@ -6,7 +6,7 @@
 #include "core/base/reporter.hpp"
 #include "tools/vol2pack/sample.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 
 /// One label in the image and in the sample. Void is a phase as well: the particles that were removed.
 struct Phase {
@@ -38,4 +38,4 @@ void check_phases(const std::vector<Phase>& phases);
 void report_phases(const std::vector<Phase>& phases, Reporter& reporter);
 void report_objects(const Sample& sample, Reporter& reporter);
 
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

@@ -9,10 +9,10 @@
 #include "core/base/error.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 
 std::vector<ResolutionStep> choose_resolution(const LabelVolume& volume, const Packing& brick,
-                                              const ResolutionOptions& options) {
+                                              const ResolutionOptions& options, Reporter& reporter) {
     const Box box{volume.origin(), volume.extent(), {false, false, false}};
     const auto voxels = volume.histogram();
     // Particles at a radius of one voxel.
@@ -28,10 +28,10 @@ std::vector<ResolutionStep> choose_resolution(const LabelVolume& volume, const P
         const auto give_up = [&](const std::string& why) {
             std::string best;
             if (!steps.empty()) {
-                const auto least = std::min_element(steps.begin(), steps.end(),
-                                                    [](const auto& a, const auto& b) { return a.error < b.error; });
-                best = fmt::format("; the least is {:.3g} % at {:.3g} pixels per seed", 100 * least->error,
-                                   least->pixels_per_seed);
+                const auto smallest = std::min_element(steps.begin(), steps.end(),
+                                                       [](const auto& a, const auto& b) { return a.error < b.error; });
+                best = fmt::format("; the smallest error is {:.3g} % at {:.3g} pixels per seed", 100 * smallest->error,
+                                   smallest->pixels_per_seed);
             }
             throw InvalidInput(fmt::format("no resolution keeps the volume of every label within {:g} %: {}{}",
                                            100 * options.max_error, why, best));
@@ -42,7 +42,7 @@ std::vector<ResolutionStep> choose_resolution(const LabelVolume& volume, const P
         for (std::uint64_t placement = 0; placement < 4; ++placement) {
             const std::uint64_t seed = options.random_seed + placement * 0x9E3779B97F4A7C15U;
             const Tiling tiling(brick, step.pixels_per_seed * options.pixel, box, seed, options.max_particles * 2);
-            const auto held = label_places(volume, tiling, nullptr, options.filter, options.threads).count();
+            const auto held = label_places(volume, tiling, nullptr, options.filter, options.threads, reporter).count();
             step.error = std::max(step.error, largest_volume_error(voxels, held));
         }
         steps.push_back(step);
@@ -72,9 +72,9 @@ void report_resolution(const std::vector<ResolutionStep>& steps, double max_erro
         const ResolutionStep& coarser = steps[steps.size() - 2];
         why += fmt::format("; at {:.3g} it is {:.3g} %", coarser.pixels_per_seed, 100 * coarser.error);
     } else {
-        why += "; coarser ones have too few particles to tell";
+        why += "; coarser ones have too few particles to measure it";
     }
     reporter.note(why);
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

@@ -6,7 +6,7 @@
 #include "core/base/reporter.hpp"
 #include "tools/vol2pack/sample.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 
 /// One resolution that was tried.
 struct ResolutionStep {
@@ -34,9 +34,9 @@ struct ResolutionOptions {
 /// @throws InvalidInput if 1 voxel or `max_particles` is reached before
 /// @note   costs about eight times the look-ups of the sample itself
 std::vector<ResolutionStep> choose_resolution(const LabelVolume& volume, const Packing& brick,
-                                              const ResolutionOptions& options);
+                                              const ResolutionOptions& options, Reporter& reporter = silent_reporter());
 
 /// What was chosen and why, for the user.
 void report_resolution(const std::vector<ResolutionStep>& steps, double max_error, Reporter& reporter);
 
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <optional>
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 namespace {
 
 /// Finds labels and regions; one a thread.
@@ -43,7 +44,7 @@ class Labeller {
             last[axis] = std::min(volume_.size()[axis] - 1, static_cast<std::int32_t>(std::floor(at[axis] + half)));
         }
         std::int32_t nearest = 0;
-        double least = std::numeric_limits<double>::infinity();
+        double smallest = std::numeric_limits<double>::infinity();
         for (std::int32_t z = first[2]; z <= last[2]; ++z)
             for (std::int32_t y = first[1]; y <= last[1]; ++y)
                 for (std::int32_t x = first[0]; x <= last[0]; ++x) {
@@ -51,8 +52,8 @@ class Labeller {
                     if (number == 0 || components_->label[number - 1] != label) continue;
                     const Vec3 centre(x + 0.5, y + 0.5, z + 0.5);
                     const double distance = (centre - at).cwiseProduct(volume_.spacing()).squaredNorm();
-                    if (distance < least) {
-                        least = distance;
+                    if (distance < smallest) {
+                        smallest = distance;
                         nearest = number;
                     }
                 }
@@ -121,13 +122,16 @@ std::int64_t Sample::lost_components() const {
 }
 
 Places label_places(const LabelVolume& volume, const Tiling& tiling, const Regions* regions, const LabelFilter& filter,
-                    int threads) {
+                    int threads, Reporter& reporter) {
     const auto labels = volume.histogram();
     if (!labels.empty() && labels.begin()->first < 0)
         throw InvalidInput(fmt::format("the image has the negative label {}", labels.begin()->first));
     Places places;
     places.label.assign(tiling.places(), Places::outside);
     if (regions) places.region.assign(tiling.places(), 0);
+    const auto progress = reporter.progress("labels of particles", static_cast<double>(tiling.places()));
+    std::mutex one_at_a_time;
+    std::int64_t done = 0;
     for_each_piece(tiling, threads, [&](std::int64_t, std::int64_t first, std::int64_t end) {
         const Labeller labeller(volume, regions ? &regions->components : nullptr, filter, tiling.seed_radius());
         for (std::int64_t place = first; place < end; ++place) {
@@ -139,14 +143,16 @@ Places label_places(const LabelVolume& volume, const Tiling& tiling, const Regio
             places.label[place] = in_box ? label : -1 - label;
             if (regions && in_box) places.region[place] = labeller.region(position, places.label[place]);
         }
+        const std::scoped_lock lock(one_at_a_time);
+        progress->update(static_cast<double>(done += end - first));
     });
     return places;
 }
 
 Sample sample_volume(const LabelVolume& volume, const Tiling& tiling, const Regions* regions, const LabelFilter& filter,
-                     int threads) {
+                     int threads, Reporter& reporter) {
     Sample sample;
-    sample.places = label_places(volume, tiling, regions, filter, threads);
+    sample.places = label_places(volume, tiling, regions, filter, threads, reporter);
     const Places& places = sample.places;
     sample.labelled = places.count();
     for (const auto& [label, particles] : sample.labelled) sample.candidates += particles;
@@ -189,13 +195,4 @@ Sample sample_volume(const LabelVolume& volume, const Tiling& tiling, const Regi
     return sample;
 }
 
-Sample sample_volume(const LabelVolume& volume, const Packing& brick, const SampleOptions& options) {
-    const Tiling tiling(brick, options.seed_radius, {volume.origin(), volume.extent(), {false, false, false}},
-                        options.random_seed, options.max_particles);
-    std::optional<Regions> regions;
-    if (!options.object_labels.empty())
-        regions = component_regions(volume, options.object_labels, options.object_labels, options.connectivity);
-    return sample_volume(volume, tiling, regions ? &*regions : nullptr, options.filter, options.threads);
-}
-
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

@@ -8,7 +8,7 @@
 #include "core/volume/volume.hpp"
 #include "tools/vol2pack/tiling.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 
 /// How a particle finds its label in the image.
 enum class Filter {
@@ -23,23 +23,14 @@ struct LabelFilter {
     double smoothing = 0.8;  ///< width of Filter::level_set [voxels]
 };
 
-struct SampleOptions {
-    double seed_radius = 0.0;  ///< r_s in the sample [mm]
-    LabelFilter filter{};
-    std::vector<std::int32_t> object_labels{};  ///< each connected component of one of these is an object of its own
-    Connectivity connectivity = Connectivity::faces;
-    std::uint64_t random_seed = 0;            ///< shifts and rotates the brick at random; 0: as it is
-    std::int64_t max_particles = 50'000'000;  ///< guard against a wrong scale
-    int threads = 1;
-};
-
 /// What the image has at each place of a tiling.
 struct Places {
     static constexpr std::int32_t outside = INT32_MIN;  ///< label of a place that is not in or near the image
     /// Of the margin of the tiling, -1 - the label of the mirror image at the faces; in the image never negative.
     std::vector<std::int32_t> label;
-    static std::int32_t seen(std::int32_t label) { return label < 0 ? -1 - label : label; }
-    std::vector<std::int32_t> region;  ///< from 1; 0: none of that label near. Empty where regions are not told apart
+    static std::int32_t label_of_image(std::int32_t label) { return label < 0 ? -1 - label : label; }
+    std::vector<std::int32_t>
+        region;  ///< from 1; 0: none of that label near. Empty where regions are not distinguished
 
     /// How many places in the image have each label.
     std::map<std::int32_t, std::int64_t> count() const;
@@ -49,7 +40,7 @@ struct Places {
 /// @param regions  of the image, or nullptr
 /// @throws InvalidInput if the image has a negative label
 Places label_places(const LabelVolume& volume, const Tiling& tiling, const Regions* regions, const LabelFilter& filter,
-                    int threads);
+                    int threads, Reporter& reporter = silent_reporter());
 
 struct Sample {
     Packing packing;
@@ -72,9 +63,6 @@ struct Sample {
 /// @throws InvalidInput if nothing would come out
 /// @note   the result does not depend on the number of threads
 Sample sample_volume(const LabelVolume& volume, const Tiling& tiling, const Regions* regions, const LabelFilter& filter,
-                     int threads);
+                     int threads, Reporter& reporter = silent_reporter());
 
-/// The same from a brick, with the components of `object_labels` as the only regions.
-Sample sample_volume(const LabelVolume& volume, const Packing& brick, const SampleOptions& options);
-
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

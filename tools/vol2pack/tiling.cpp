@@ -8,7 +8,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 namespace {
 
 /// Uniform in [0, 1), the same with every standard library.
@@ -234,4 +234,4 @@ std::vector<Tiling::Needle> Tiling::needles() const {
     return found;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

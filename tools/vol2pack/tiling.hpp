@@ -6,13 +6,13 @@
 
 #include "core/packing/packing.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 
 /// The brick repeated through space at the scale of a sample, shifted and rotated, as far as a box goes.
 ///
 /// The lowest corner of the brick's first copy lies at that of the box. A random seed other than 0 shifts the brick by
-/// a random vector and rotates it by a random rotation: a packing is the same in all directions, a tiling of it goes on
-/// for ever, so any rotation of it fills the box as well, whatever the edges of the brick are. (The 24 rotations of a
+/// a random vector and rotates it by a random rotation: a packing is the same in all directions, a tiling of it has
+/// no end, so any rotation of it fills the box as well, whatever the edges of the brick are. (The 24 rotations of a
 /// cube would give few samples, and only bricks of three equal edges would keep their periods.) Along an axis that is
 /// not periodic the brick is not repeated: the box must fit into it, the shift stays within it, and the only rotation
 /// left is the one about that axis; with two such axes, none.
@@ -71,4 +71,4 @@ class Tiling {
     std::vector<std::int32_t> number_of_tile_;       // of all from first_ on, -1: not one of these
 };
 
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
+#include "core/volume/volume_format.hpp"
 
 namespace tomodem::formats {
 namespace {
@@ -178,15 +179,14 @@ class Hdf5Source : public VolumeSource {
           file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, failure_),
           dataset_(open_dataset(wanted)) {
         header_.format = "HDF5 " + name_;
-        header_.files = {path};
         const Hdf5Handle space(H5Dget_space(dataset_), H5Sclose, failure_);
         const int dimensions = H5Sget_simple_extent_ndims(space);
         if (dimensions != 3)
             cannot_read(path, fmt::format("{} has {} dimensions, a volume has 3 (z, y, x)", name_, dimensions));
         hsize_t zyx[3];
         H5Sget_simple_extent_dims(space, zyx, nullptr);
-        constexpr hsize_t most = 1 << 30;
-        for (hsize_t& edge : zyx) edge = std::min(edge, most);
+        constexpr hsize_t max_edge = 1 << 30;
+        for (hsize_t& edge : zyx) edge = std::min(edge, max_edge);
         check_size(path, {std::int64_t(zyx[2]), std::int64_t(zyx[1]), std::int64_t(zyx[0])});
         for (int axis = 0; axis < 3; ++axis) header_.size[axis] = static_cast<std::int32_t>(zyx[2 - axis]);
         header_.type = type_of(path, dataset_);
@@ -225,12 +225,13 @@ class Hdf5Source : public VolumeSource {
         hsize_t zyx[3];
         H5Sget_simple_extent_dims(space, zyx, nullptr);
         const Hdf5Handle type(H5Dget_type(first), H5Tclose, failure_);
-        constexpr double most = double(1 << 30);
+        constexpr double max_bytes = double(1 << 30);
         const double layer = double(chunk[0]) * (double(zyx[1]) + double(chunk[1])) *
                              (double(zyx[2]) + double(chunk[2])) * double(H5Tget_size(type));
         const Hdf5Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose, failure_);
         constexpr std::size_t slots = 100'003;
-        hdf5_check(H5Pset_chunk_cache(access, slots, static_cast<std::size_t>(std::min(layer, most)), 1.0), failure_);
+        hdf5_check(H5Pset_chunk_cache(access, slots, static_cast<std::size_t>(std::min(layer, max_bytes)), 1.0),
+                   failure_);
         return {H5Dopen2(file_, name_.c_str(), access), H5Dclose, failure_};
     }
 
@@ -240,10 +241,21 @@ class Hdf5Source : public VolumeSource {
     Hdf5Handle file_, dataset_;
 };
 
-}  // namespace
-
-Source open_hdf5(const fs::path& file, const std::string& dataset) {
-    return in_own_process(file, "HDF5", [&] { return std::make_unique<Hdf5Source>(file, dataset); });
+bool is_hdf5(const std::string& start) {
+    return start.starts_with("\x89HDF\r\n\x1a\n");
 }
+
+const RegisteredFormat hdf5{{
+    .name = "HDF5",
+    .extensions = {".h5", ".hdf5"},
+    .sniff = [](const std::string& start, const fs::path&) { return is_hdf5(start); },
+    .open = [](const fs::path& file, const std::string& dataset) -> Source {
+        if (!is_hdf5(first_bytes(file, 8))) cannot_read(file, "it is not an HDF5 file, or damaged");
+        return in_own_process(file, "HDF5", [&] { return std::make_unique<Hdf5Source>(file, dataset); });
+    },
+    .has_datasets = true,
+}};
+
+}  // namespace
 
 }  // namespace tomodem::formats

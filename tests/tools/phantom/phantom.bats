@@ -96,5 +96,5 @@ refused() {
     refused 2 "--size" "$TOMODEM_BIN/phantom_inclusions" a.tif --size 10x10 --voxel-size 1um --count 3 --diameter 5um
     refused 1 "do not hold together" "$TOMODEM_BIN/phantom_foam" a.tif --size 40 --voxel-size 1um --relative-density 0.01 \
         --cells 4 --quiet
-    refused 2 "same file" "$TOMODEM_BIN/phantom_foam" a.json --voxel-size 1um --relative-density 0.1
+    refused 2 "must end in .tif" "$TOMODEM_BIN/phantom_foam" a.json --voxel-size 1um --relative-density 0.1
 }

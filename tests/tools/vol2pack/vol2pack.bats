@@ -192,7 +192,7 @@ PYTHON
     [ "$(cat kept.h5)" = "earlier" ]
 }
 
-@test "volume_info tells labels and components" {
+@test "volume_info reports labels and components" {
     run "$TOMODEM_BIN/volume_info" composite.tif --voxel-size 10um
     [ "$status" -eq 0 ]
     [[ "$output" == *"components_label_2: 8"* ]]

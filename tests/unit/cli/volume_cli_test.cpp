@@ -107,5 +107,23 @@ TEST(Size, IsOneNumberOrThree) {
     EXPECT_THAT([] { parse_size("--size", "0"); }, ThrowsMessage<WrongUsage>(HasSubstr("number of voxels")));
 }
 
+TEST(LabelObjects, AreRangesOfLabels) {
+    const auto ranges = parse_label_objects("--label-objects", "501:600=2,2:500=1");
+    ASSERT_EQ(ranges.size(), 2U);
+    EXPECT_EQ(ranges[0].first, 2);
+    EXPECT_EQ(ranges[0].last, 500);
+    EXPECT_EQ(ranges[0].species, 1);
+    EXPECT_EQ(ranges[1].first, 501);
+    const auto refused = [](const std::string& text, const std::string& part) {
+        EXPECT_THAT([&] { parse_label_objects("--label-objects", text); }, ThrowsMessage<WrongUsage>(HasSubstr(part)));
+    };
+    refused("2:5", "FIRST:LAST=LABEL");
+    refused("2=1", "FIRST:LAST=LABEL");
+    refused("0:5=1", "FIRST:LAST=LABEL");
+    refused("2:5=1x", "FIRST:LAST=LABEL");
+    refused("5:2=1", "smaller than the first");
+    refused("2:5=1,4:8=2", "in two ranges");
+}
+
 }  // namespace
 }  // namespace tomodem

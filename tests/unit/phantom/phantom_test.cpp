@@ -8,7 +8,7 @@
 #include "tools/phantom/foam.hpp"
 #include "tools/phantom/grains.hpp"
 
-namespace tomodem {
+namespace tomodem::phantom {
 namespace {
 
 using testing::HasSubstr;
@@ -202,4 +202,4 @@ TEST(Foam, RejectsStrutsThinnerThanVoxels) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::phantom

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -110,7 +110,7 @@ TEST(Thickness, OfARodAndOfASphereIsTheDiameter) {
     EXPECT_NEAR(measure_image(rod, 100, 2).label.at(2).thinnest(), 10, 1.2);
     EXPECT_NEAR(measure_image(sphere(64, 10), 100, 2).label.at(2).thinnest(), 20, 1.5);
     EXPECT_NEAR(measure_image(sphere(64, 20), 100, 2).label.at(2).thinnest(), 40, 2);
-    // Its matrix goes on beyond the volume: what is left of it between sphere and face is no feature.
+    // Its matrix continues beyond the volume: what is left of it between sphere and face is no feature.
     EXPECT_EQ(measure_image(sphere(64, 20), 100, 2).label.at(1).thinnest(), 100);
 }
 
@@ -233,4 +233,4 @@ TEST(GeometricError, OfAPhaseWithoutParticlesIsAllOfIt) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

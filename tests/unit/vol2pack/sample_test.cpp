@@ -10,7 +10,7 @@
 #include "tools/vol2pack/phase_report.hpp"
 #include "tools/vol2pack/resolution.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 namespace {
 
 using testing::ElementsAre;
@@ -53,6 +53,24 @@ LabelVolume volume_of(VoxelIndex size, double spacing, const std::function<std::
             for (int x = 0; x < size[0]; ++x) voxels.push_back(label(x, y, z));
     volume.set_slices(0, size[2], voxels);
     return volume;
+}
+
+struct SampleOptions {
+    double seed_radius = 0.0;
+    LabelFilter filter{};
+    std::vector<std::int32_t> object_labels{};  // each connected component of one of these is an object of its own
+    std::uint64_t random_seed = 0;
+    std::int64_t max_particles = 50'000'000;
+    int threads = 1;
+};
+
+Sample sample_volume(const LabelVolume& volume, const Packing& brick, const SampleOptions& options) {
+    const Tiling tiling(brick, options.seed_radius, {volume.origin(), volume.extent(), {false, false, false}},
+                        options.random_seed, options.max_particles);
+    std::optional<Regions> regions;
+    if (!options.object_labels.empty())
+        regions = component_regions(volume, options.object_labels, options.object_labels, Connectivity::faces);
+    return vol2pack::sample_volume(volume, tiling, regions ? &*regions : nullptr, options.filter, options.threads);
 }
 
 TEST(Sample, OfALatticeHasOneParticleForEachOfItsCells) {
@@ -159,7 +177,7 @@ TEST(Sample, ParticleMovedByTheBoxFilterBelongsToTheNearestComponentOfItsLabel) 
 }
 
 TEST(Sample, TakesTheRadiiOfTheBricksParticlesAtItsScale) {
-    // The brick's particles have a radius that tells their z; at a fifth of the size it tells the sample's.
+    // The brick's particles have a radius that encodes their z; at a fifth of the size it encodes the sample's.
     Packing brick = lattice(2);
     for (const Vec3& p : brick.position) brick.radius.push_back(0.4 + 0.1 * p.z());
     const auto volume = volume_of({8, 8, 16}, 0.1, [](int x, int, int) { return x < 4 ? 0 : 1; });
@@ -270,9 +288,9 @@ TEST(LabelObjects, AreOneObjectEachAndShareAPhase) {
     // Grains 10, 11 and 70000 side by side, the last in two pieces; 5 is another phase.
     const std::array<std::int32_t, 6> columns{10, 70000, 5, 11, 5, 70000};
     auto volume = volume_of({24, 4, 4}, 1, [&](int x, int, int) { return columns[x / 4]; });
-    const auto ranges = parse_label_objects("--label-objects", "10:80000=1");
+    const std::vector<LabelObjects> ranges{{10, 80000, 1}};
     EXPECT_THAT(species_histogram(volume, ranges), ElementsAre(Pair(1, 256), Pair(5, 128)));
-    const auto regions = tell_regions_apart(volume, {}, ranges, Connectivity::faces, Regions::Of::objects);
+    const auto regions = distinguish_regions(volume, {}, ranges, Connectivity::faces, Regions::Of::objects);
     EXPECT_THAT(volume.histogram(), ElementsAre(Pair(1, 256), Pair(5, 128)));
     const Tiling tiling(lattice(2), 2, {volume.origin(), volume.extent(), {}}, 0);
     const Sample sample = sample_volume(volume, tiling, &*regions, {}, 1);
@@ -288,28 +306,18 @@ TEST(LabelObjects, AreOneObjectEachAndShareAPhase) {
 TEST(LabelObjects, AreFollowedByTheComponentsOfOtherLabels) {
     const std::array<std::int32_t, 4> columns{3, 7, 3, 8};
     auto volume = volume_of({16, 4, 4}, 1, [&](int x, int, int) { return columns[x / 4]; });
-    const auto regions = tell_regions_apart(volume, {3}, parse_label_objects("--label-objects", "7:8=1"),
-                                            Connectivity::faces, Regions::Of::everything);
+    const auto regions = distinguish_regions(volume, {3}, {{7, 8, 1}}, Connectivity::faces, Regions::Of::everything);
     const Tiling tiling(lattice(4), 2, {volume.origin(), volume.extent(), {}}, 0);
     const Sample sample = sample_volume(volume, tiling, &*regions, {}, 1);
     EXPECT_THAT(sample.packing.object, ElementsAre(9, 7, 10, 8));
     EXPECT_EQ(sample.components, 4);
 }
 
-TEST(LabelObjects, AreRefusedWhereTheyOverlapOrAreNotThere) {
-    const auto refused = [](const std::string& text, const std::string& part) {
-        EXPECT_THAT([&] { parse_label_objects("--label-objects", text); }, ThrowsMessage<WrongUsage>(HasSubstr(part)));
-    };
-    refused("2:5", "FIRST:LAST=LABEL");
-    refused("2=1", "FIRST:LAST=LABEL");
-    refused("0:5=1", "FIRST:LAST=LABEL");
-    refused("2:5=1x", "FIRST:LAST=LABEL");
-    refused("5:2=1", "smaller than the first");
-    refused("2:5=1,4:8=2", "in two ranges");
+TEST(LabelObjects, AreRefusedWhereTheImageHasNoneOfThem) {
     auto volume = volume_of({2, 2, 2}, 1, [](int, int, int) { return 1; });
     EXPECT_THAT(
         [&] {
-            tell_regions_apart(volume, {}, {{5, 9, 1}}, Connectivity::faces, Regions::Of::objects);
+            distinguish_regions(volume, {}, {{5, 9, 1}}, Connectivity::faces, Regions::Of::objects);
         },
         ThrowsMessage<InvalidInput>(HasSubstr("no label from 5 to 9")));
 }
@@ -341,7 +349,7 @@ TEST(Resolution, IsRefusedWhereOneVoxelOrTheMostParticlesDoNotReachTheError) {
     const auto volume = ball(20, 3);
     EXPECT_THAT([&] { choose_resolution(volume, brick, {.max_error = 1e-4, .pixel = 1}); },
                 ThrowsMessage<InvalidInput>(testing::AllOf(HasSubstr("within 0.01 %: even a radius of 1 voxel has"),
-                                                           HasSubstr("the least is"))));
+                                                           HasSubstr("the smallest error is"))));
     EXPECT_THAT([&] { choose_resolution(volume, brick, {.max_error = 1e-4, .pixel = 1, .max_particles = 300}); },
                 ThrowsMessage<InvalidInput>(HasSubstr("more than the 300 allowed")));
 }
@@ -394,4 +402,4 @@ TEST(Phases, AreComparedInPointsAndMissingOnesNamed) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

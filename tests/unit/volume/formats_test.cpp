@@ -26,7 +26,7 @@ using testing::ThrowsMessage;
 constexpr VoxelIndex size{7, 5, 11};
 constexpr int voxel_count = 7 * 5 * 11;
 
-/// A label that tells where its voxel is, whatever the axes are called.
+/// A label that encodes where its voxel is, whatever the axes are called.
 std::int32_t label_at(int i) {
     return 1 + (i * 37) % 199;
 }
@@ -365,7 +365,7 @@ TEST_F(Formats, ImageJHyperstacksOfChannelsAreRefused) {
 TEST_F(Formats, ThatAreUnknownAreNamedWithTheKnownOnes) {
     put(folder / "a.dat", "something");
     EXPECT_THAT([&] { read_label_volume(folder / "a.dat", {}); },
-                ThrowsMessage<InvalidInput>(HasSubstr("of no known format (TIFF, HDF5")));
+                ThrowsMessage<InvalidInput>(HasSubstr("of no known format (ESRF")));
     put(folder / "a.vol", "something");
     EXPECT_THAT([&] { read_label_volume(folder / "a.vol", {}); },
                 ThrowsMessage<InvalidInput>(HasSubstr("no 'a.vol.info' or '.xml' beside it")));

@@ -239,7 +239,7 @@ ImageObjects image_objects(LabelVolume& volume, const ObjectLabels& wanted, cons
                                            fmt::join(there, ", "), histogram.size() > 16 ? " ..." : ""));
         }
     std::optional<Regions> regions =
-        tell_regions_apart(volume, labels, label_objects, wanted.connectivity, Regions::Of::objects);
+        distinguish_regions(volume, labels, label_objects, wanted.connectivity, Regions::Of::objects);
     if (!regions) throw InvalidInput("no label of the image is told to be objects");
 
     // As vol2pack: labels that are objects keep their number, components are counted from the largest of those.

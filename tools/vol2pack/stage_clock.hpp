@@ -6,15 +6,15 @@
 
 #include "core/base/reporter.hpp"
 
-namespace tomodem {
+namespace tomodem::vol2pack {
 
-/// Wall time of the phases of a run, one after the other; they go to --json as `seconds`.
-class PhaseClock {
+/// Wall time of the stages of a run, one after the other; they go to --json as `seconds`.
+class StageClock {
  public:
     /// What happened since the last call, or since the clock was made.
-    void done(const std::string& phase) {
+    void done(const std::string& stage) {
         const auto now = std::chrono::steady_clock::now();
-        seconds_[phase] = std::round(1e3 * std::chrono::duration<double>(now - last_).count()) / 1e3;
+        seconds_[stage] = std::round(1e3 * std::chrono::duration<double>(now - last_).count()) / 1e3;
         last_ = now;
     }
     void report(Reporter& reporter) const { reporter.report_json("seconds", seconds_); }
@@ -24,4 +24,4 @@ class PhaseClock {
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace tomodem
+}  // namespace tomodem::vol2pack

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "core/base/parallel.hpp"
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
 
 namespace tomodem::formats {
 namespace {
@@ -186,13 +186,12 @@ class SwappedSource : public VolumeSource {
 
 Source open_raw(VolumeHeader header, RawVoxels where) {
     check_size(where.files.front(), {header.size[0], header.size[1], header.size[2]});
-    if (header.files.empty()) header.files = where.files;
     const bool swap = where.big_endian && bytes_of(header.type) > 1;
     Source source;
     if (where.deflated) {
-        constexpr double most_packed = 1100;  // deflate packs at most 1032 bytes into one
+        constexpr double max_ratio = 1100;  // deflate packs at most 1032 bytes into one
         const double wanted = double(header.size[0]) * header.size[1] * header.size[2] * double(bytes_of(header.type));
-        if (wanted > most_packed * static_cast<double>(file_bytes(where.files.front())))
+        if (wanted > max_ratio * static_cast<double>(file_bytes(where.files.front())))
             cannot_read(where.files.front(),
                         fmt::format("it is too short for {} x {} x {} voxels, even packed; it is cut, "
                                     "or its header is damaged",

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
 
 namespace tomodem::formats {
 
@@ -13,15 +13,15 @@ void cannot_read(const fs::path& path, const std::string& why) {
 }
 
 void check_size(const fs::path& path, const std::array<std::int64_t, 3>& size) {
-    constexpr std::int64_t longest = 1 << 20;
+    constexpr std::int64_t max_edge = 1 << 20;
     for (const std::int64_t edge : size)
-        if (edge < 1 || edge > longest)
+        if (edge < 1 || edge > max_edge)
             cannot_read(path, fmt::format("it is {} x {} x {} voxels by its header; each edge must be 1 to {}", size[0],
-                                          size[1], size[2], longest));
-    constexpr double most = 1e12;
-    if (static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]) > most)
+                                          size[1], size[2], max_edge));
+    constexpr double max_voxels = 1e12;
+    if (static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]) > max_voxels)
         cannot_read(path, fmt::format("it is {} x {} x {} voxels by its header; at most {:g} are read", size[0],
-                                      size[1], size[2], most));
+                                      size[1], size[2], max_voxels));
 }
 
 std::string first_bytes(const fs::path& path, std::size_t count) {
