@@ -163,6 +163,10 @@ std::vector<std::int32_t> parse_labels(const std::string& flag, const std::strin
     return labels;
 }
 
+Connectivity connectivity_of(const std::string& neighbours) {
+    return neighbours == "6" ? Connectivity::faces : neighbours == "18" ? Connectivity::edges : Connectivity::corners;
+}
+
 std::array<VoxelIndex, 2> parse_roi(const std::string& flag, const std::string& text) {
     const std::string expected = "x0:x1,y0:y1,z0:z1 in voxels with 0 <= x0 < x1, as 0:100,0:100,50:150";
     const auto parts = split(text, ',');

@@ -42,6 +42,9 @@ std::map<std::string, std::string> parse_properties(const std::string& flag, con
 /// "1,2" -> {1, 2}, sorted. @throws WrongUsage naming `flag`
 std::vector<std::int32_t> parse_labels(const std::string& flag, const std::string& text);
 
+/// "6" -> faces, "18" -> edges, "26" -> corners: the choices of --connectivity.
+Connectivity connectivity_of(const std::string& neighbours);
+
 /// "x0:x1,y0:y1,z0:z1", x1 not included; {first voxel, number of voxels}. @throws WrongUsage naming `flag`
 std::array<VoxelIndex, 2> parse_roi(const std::string& flag, const std::string& text);
 

@@ -14,6 +14,7 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::curves;
 
 struct Request {
     std::vector<std::filesystem::path> runs;

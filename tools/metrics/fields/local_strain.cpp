@@ -9,6 +9,7 @@
 #include "core/base/error.hpp"
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "tools/metrics/fields/field_radius.hpp"
 #include "tools/metrics/fields/local_strain_fit.hpp"
 #include "tools/metrics/fields/run_frames.hpp"
@@ -16,6 +17,7 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::fields;
 
 struct Request {
     std::filesystem::path run, fields, table;
@@ -65,7 +67,8 @@ std::vector<double> flattened(const std::vector<Symmetric>& tensors) {
 }
 
 void run(const Request& request, cli::Tool& tool) {
-    const RunFrames frames(request.run, request.frames);
+    const RunFrames frames(request.run);
+    const std::vector<std::size_t> chosen = cli::chosen_frames(request.frames, frames.run().frame_count());
     const RunReader& run = frames.run();
     const Packing& packing = frames.packing();
     if (run.frame_count() < 2)
@@ -79,7 +82,7 @@ void run(const Request& request, cli::Tool& tool) {
         request.within_phase ? std::span<const std::int32_t>(packing.species) : std::span<const std::int32_t>();
 
     const std::vector<std::pair<std::string, double>> attributes{{"neighbourhood_radius", radius}};
-    FieldWriter writer(run, frames.chosen(),
+    FieldWriter writer(run, chosen,
                        {{"strain", "", 6, attributes},
                         {"strain_linear", "", 6, attributes},
                         {"strain_equivalent", "", 1, attributes},
@@ -94,9 +97,9 @@ void run(const Request& request, cli::Tool& tool) {
     std::vector<Vec3> reference;
     std::size_t reference_at = run.frame_count();  // none read yet
     LocalStrain strain;
-    const auto progress = tool.progress("frames", double(frames.chosen().size()));
-    for (std::size_t done = 0; done < frames.chosen().size(); ++done) {
-        const std::size_t index = frames.chosen()[done];
+    const auto progress = tool.progress("frames", double(chosen.size()));
+    for (std::size_t done = 0; done < chosen.size(); ++done) {
+        const std::size_t index = chosen[done];
         const std::size_t from = fixed.value_or(index > 0 ? index - 1 : 0);
         if (from != reference_at) reference = run.frame(from).position;
         reference_at = from;
@@ -105,8 +108,8 @@ void run(const Request& request, cli::Tool& tool) {
                               tool.threads());
         if (strain.degenerate == std::int64_t(packing.size()))
             throw InvalidInput(fmt::format(
-                "no particle of frame {} has a neighbourhood that a strain can be told from (4 neighbours, not in one "
-                "plane) within --radius {:g} mm: take a larger one",
+                "no particle of frame {} has the neighbours that a strain needs (4, not in one plane) within --radius "
+                "{:g} mm: take a larger one",
                 from, radius));
         const std::vector<double> tensor = flattened(strain.logarithmic);
         const auto add = [&](std::optional<std::int32_t> label) {
@@ -119,8 +122,8 @@ void run(const Request& request, cli::Tool& tool) {
                                            std::int64_t(particles) - equivalent.count};
             for (std::size_t k = 0; k < 6; ++k)
                 cells.push_back(number(summary({tensor, 6, k}, packing.species, label).mean));
-            for (const double value : {equivalent.mean, equivalent.deviation, equivalent.most, volumetric.mean,
-                                       volumetric.deviation, non_affine.mean, non_affine.most})
+            for (const double value : {equivalent.mean, equivalent.deviation, equivalent.max, volumetric.mean,
+                                       volumetric.deviation, non_affine.mean, non_affine.max})
                 cells.push_back(number(value));
             table.add(frames.row(index, cells));
         };
@@ -134,7 +137,7 @@ void run(const Request& request, cli::Tool& tool) {
     writer.commit();
     if (!request.table.empty()) table.write(request.table);
 
-    tool.report("frames", std::int64_t(frames.chosen().size()));
+    tool.report("frames", std::int64_t(chosen.size()));
     tool.report("particles", std::int64_t(packing.size()));
     tool.report("radius", radius, "mm");
     tool.report("without_strain_last", strain.degenerate);

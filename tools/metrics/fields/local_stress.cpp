@@ -11,6 +11,7 @@
 #include "core/base/error.hpp"
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "tools/metrics/fields/field_radius.hpp"
 #include "tools/metrics/fields/run_frames.hpp"
 #include "tools/metrics/fields/space_average.hpp"
@@ -18,6 +19,7 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::fields;
 
 struct Request {
     std::filesystem::path run, fields, table;
@@ -54,7 +56,8 @@ double macroscopic_stress(const RunReader& run, std::size_t index) {
 }
 
 void run(const Request& request, cli::Tool& tool) {
-    const RunFrames frames(request.run, request.frames);
+    const RunFrames frames(request.run);
+    const std::vector<std::size_t> chosen = cli::chosen_frames(request.frames, frames.run().frame_count());
     const RunReader& run = frames.run();
     const Packing& packing = frames.packing();
     const auto has_stress = [](const ParticleField& field) { return field.name == "stress" && field.components == 6; };
@@ -71,7 +74,7 @@ void run(const Request& request, cli::Tool& tool) {
                                                                : std::span<const std::int32_t>()};
 
     const std::vector<std::pair<std::string, double>> attributes{{"averaging_radius", radius}};
-    FieldWriter writer(run, frames.chosen(),
+    FieldWriter writer(run, chosen,
                        {{"stress_average", "Pa", 6, attributes},
                         {"stress_equivalent", "Pa", 1, attributes},
                         {"pressure", "Pa", 1, attributes}},
@@ -83,9 +86,9 @@ void run(const Request& request, cli::Tool& tool) {
                             "stress_equivalent_max [Pa]", "stress_axial_of_particles [Pa]", "stress_true [Pa]"}));
     Summary last_equivalent, last_pressure;
     std::size_t with_stress = 0;
-    const auto progress = tool.progress("frames", double(frames.chosen().size()));
-    for (std::size_t done = 0; done < frames.chosen().size(); ++done) {
-        const std::size_t index = frames.chosen()[done];
+    const auto progress = tool.progress("frames", double(chosen.size()));
+    for (std::size_t done = 0; done < chosen.size(); ++done) {
+        const std::size_t index = chosen[done];
         const Frame frame = run.frame(index);
         const std::vector<double> stress = run.field_values("stress", index);
         const bool known = std::any_of(stress.begin(), stress.end(), [](double s) { return std::isfinite(s); });
@@ -109,7 +112,7 @@ void run(const Request& request, cli::Tool& tool) {
                 const auto axis = std::size_t(frames.axis());
                 for (const double value :
                      {summary({pressures}, packing.species, label).mean, of_equivalent.mean, of_equivalent.deviation,
-                      of_equivalent.least, of_equivalent.most, summary({stress, 6, axis}, packing.species, label).mean,
+                      of_equivalent.min, of_equivalent.max, summary({stress, 6, axis}, packing.species, label).mean,
                       label ? std::numeric_limits<double>::quiet_NaN() : macroscopic_stress(run, index)})
                     cells.push_back(number(value));
                 table.add(frames.row(index, cells));
@@ -127,7 +130,7 @@ void run(const Request& request, cli::Tool& tool) {
     writer.commit();
     if (!request.table.empty()) table.write(request.table);
 
-    tool.report("frames", std::int64_t(frames.chosen().size()));
+    tool.report("frames", std::int64_t(chosen.size()));
     tool.report("frames_with_stress", std::int64_t(with_stress));
     tool.report("particles", std::int64_t(packing.size()));
     tool.report("radius", radius, "mm");

@@ -11,7 +11,7 @@
 #include "tools/metrics/shapes/object_volumes.hpp"
 
 /// A frame of a run beside the tomography of the same strain.
-namespace tomodem {
+namespace tomodem::shapes {
 
 /// One object of a run, as object_shapes measures it; or one of its pores, as image_shapes does in the voxels of the
 /// run.
@@ -79,4 +79,4 @@ Vec3 centre_of_matter(const LabelVolume& image);
 ///         four, or the two overlap by less than half of the smaller one
 void require_same_place(const LabelVolume& image, const Packing& packing);
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -6,7 +6,7 @@
 #include "core/surface/alpha_surface.hpp"
 #include "tools/metrics/shapes/object_shapes.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 
 /// The alpha shape of all particles of a frame, by a probe of one diameter.
 /// @throws InvalidInput as alpha_surface
@@ -33,4 +33,4 @@ struct ObjectVolume {
 std::vector<ObjectVolume> object_volumes(const AlphaSurface& surface, std::span<const Object> objects,
                                          double box_share);
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -12,6 +12,7 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::curves;
 
 struct Request {
     std::filesystem::path run, table;

@@ -6,12 +6,14 @@
 
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/packing/structure.hpp"
 #include "tools/metrics/fields/run_frames.hpp"
 #include "tools/metrics/fields/summary.hpp"
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::fields;
 
 struct Request {
     std::filesystem::path run, table, fields;
@@ -47,12 +49,13 @@ cli::Usage usage(Request& request) {
 }
 
 void run(const Request& request, cli::Tool& tool) {
-    const RunFrames frames(request.run, request.frames);
+    const RunFrames frames(request.run);
+    const std::vector<std::size_t> chosen = cli::chosen_frames(request.frames, frames.run().frame_count());
     const Packing& packing = frames.packing();
     std::unique_ptr<FieldWriter> fields;
     if (!request.fields.empty())
         fields = std::make_unique<FieldWriter>(
-            frames.run(), frames.chosen(),
+            frames.run(), chosen,
             std::vector<ParticleField>{{"coordination", "", 1}, {"backbone_coordination", "", 1}, {"rattler", "", 1}},
             request.fields, provenance_of_fields(frames.run(), tool.provenance()));
 
@@ -60,9 +63,9 @@ void run(const Request& request, cli::Tool& tool) {
                                     "mean_coordination [-]", "rattlers [-]", "backbone_coordination [-]",
                                     "mean_overlap [-]", "max_overlap [-]"}));
     ContactStatistics last;
-    const auto progress = tool.progress("frames", double(frames.chosen().size()));
-    for (std::size_t done = 0; done < frames.chosen().size(); ++done) {
-        const std::size_t index = frames.chosen()[done];
+    const auto progress = tool.progress("frames", double(chosen.size()));
+    for (std::size_t done = 0; done < chosen.size(); ++done) {
+        const std::size_t index = chosen[done];
         const Frame frame = frames.run().frame(index);
         const ContactDetail detail =
             contact_detail(frames.at(frame, index), request.reach, OpenFaces::free, tool.threads());
@@ -118,7 +121,7 @@ void run(const Request& request, cli::Tool& tool) {
     table.write(request.table);
     if (fields) fields->commit();
 
-    tool.report("frames", std::int64_t(frames.chosen().size()));
+    tool.report("frames", std::int64_t(chosen.size()));
     tool.report("particles", std::int64_t(packing.size()));
     tool.report("contacts_last", last.contacts);
     tool.report("mean_coordination_last", last.mean_coordination);

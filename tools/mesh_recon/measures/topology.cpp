@@ -19,13 +19,14 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::mesh_recon;
 namespace fs = std::filesystem;
 
 struct Request {
     fs::path run, table, events;
     double probe_radius = 0.0;  // mm; 0: one particle diameter
-    std::int64_t species = 0, least_particles = 20;
-    double least_pore = 4.0;
+    std::int64_t species = 0, min_particles = 20;
+    double min_pore = 4.0;
 };
 
 cli::Usage usage(Request& request) {
@@ -38,9 +39,9 @@ cli::Usage usage(Request& request) {
                 "Fill the gaps between centres that a ball of this radius cannot enter; the default is one particle "
                 "diameter.")
         .option("--species", request.species, cli::Unit::none, cli::positive, "Measure only the phase of this label.")
-        .option("--least-particles", request.least_particles, cli::Unit::particles, {.low = 4},
+        .option("--min-particles", request.min_particles, cli::Unit::particles, {.low = 4},
                 "Count parts of fewer particles, but do not follow them from frame to frame.")
-        .option("--least-pore", request.least_pore, cli::Unit::none, cli::not_negative,
+        .option("--min-pore", request.min_pore, cli::Unit::none, cli::not_negative,
                 "Count pores of less than the volume of this many particles, but do not follow them from frame to "
                 "frame.")
         .threads()
@@ -109,7 +110,7 @@ void run(const Request& request, cli::Tool& tool) {
             topology[frame] = frame_topology(
                 alpha_surface(centres,
                               {.probe_radius = probe_radius, .progress = {}, .seed_radius = packing.seed_radius}),
-                {.particles = request.least_particles, .pore = request.least_pore});
+                {.particles = request.min_particles, .pore = request.min_pore});
         } catch (const InvalidInput& error) {
             throw InvalidInput(fmt::format("frame {}: {}", frame, error.what()));
         }

@@ -13,8 +13,8 @@
 #include "core/base/parallel.hpp"
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/law/self_contact.hpp"
-#include "core/mesh/export_frames.hpp"
 #include "core/packing/packing_file.hpp"
 #include "core/surface/pore_search.hpp"
 #include "core/surface/reconstruction.hpp"
@@ -22,13 +22,14 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::curves;
 namespace fs = std::filesystem;
 
 struct Request {
     fs::path run, table, each;
     std::string method = "lids", frames = "all";
-    double probe_radius = 0.0, lid_radius = 0.0, least_outward = 0.0;  // mm; 0: not given
-    double least_pore = 4.0;
+    double probe_radius = 0.0, lid_radius = 0.0, min_outward = 0.0;  // mm; 0: not given
+    double min_pore = 4.0;
     std::int64_t closed_frame = -1;
     bool closed_only = false;
 };
@@ -53,11 +54,11 @@ cli::Usage usage(Request& request) {
             "the sample's shortest edge. With two-probes, it is the radius of the large probe; the default is five "
             "particle diameters.")
         .flag("--closed-only", request.closed_only, "Measure only pores without a mouth; no lids are used.")
-        .option("--least-pore", request.least_pore, cli::Unit::none, cli::not_negative,
+        .option("--min-pore", request.min_pore, cli::Unit::none, cli::not_negative,
                 "Leave out pores of less than the volume of this many particles.")
         .option("--closed-frame", request.closed_frame, cli::Unit::none, {.low = 0},
                 "With two-probes, subtract the difference of this frame, in which all pores are closed.")
-        .option("--least-outward", request.least_outward, cli::Unit::length, cli::positive,
+        .option("--min-outward", request.min_outward, cli::Unit::length, cli::positive,
                 "With outward-vectors, take the particles whose outward vector is longer than this (N_mag of the "
                 "thesis); the default is 4.6 seed radii.")
         .exclusive({"--closed-only", "--lid-radius"})
@@ -125,12 +126,13 @@ Measure measure(const Request& request, const RunReader& reader, std::size_t ind
     if (request.method == "lids") {
         result.pores = find_pores(centres, search);
     } else {
-        const double least = tool.given("--least-outward") ? request.least_outward
-                                                           : law::SelfContact::outward_over_seed * packing.seed_radius;
+        const double min_outward = tool.given("--min-outward")
+                                       ? request.min_outward
+                                       : law::SelfContact::outward_over_seed * packing.seed_radius;
         const double reach = law::SelfContact::crown_over_seed * packing.seed_radius;
-        result.pores = pores_by_outward_vectors(centres, outward_vectors(centres, reach), least, search);
+        result.pores = pores_by_outward_vectors(centres, outward_vectors(centres, reach), min_outward, search);
     }
-    result.pores.leave_out_below(request.least_pore * result.pores.solid / double(centres.size()));
+    result.pores.leave_out_below(request.min_pore * result.pores.solid / double(centres.size()));
     return result;
 }
 
@@ -140,7 +142,7 @@ void check(const Request& request, cli::Tool& tool) {
             throw WrongUsage(fmt::format("{} goes with --method {} only", flag, method));
     };
     only_with("--closed-frame", "two-probes");
-    only_with("--least-outward", "outward-vectors");
+    only_with("--min-outward", "outward-vectors");
     only_with("--closed-only", "lids");
     if (request.method == "two-probes" && tool.given("--each"))
         throw WrongUsage("--each: two-probes gives one volume for all pores; take another --method");
@@ -166,7 +168,7 @@ void run(const Request& request, cli::Tool& tool) {
     std::optional<std::size_t> closed;
     if (tool.given("--closed-frame")) closed = checked_frame(request.closed_frame, reader);
 
-    const std::vector<std::size_t> frames = chosen_frames(request.frames, reader.frame_count());
+    const std::vector<std::size_t> frames = cli::chosen_frames(request.frames, reader.frame_count());
     const std::size_t count = frames.size();
     const auto progress = tool.progress("frames", double(count));
     std::vector<Measure> measures(count);
@@ -250,7 +252,7 @@ void run(const Request& request, cli::Tool& tool) {
             "may "
             "take gaps for pores");
     if (two_probes && !closed)
-        tool.warn("the roughness of the outside is in the volume of two-probes; give --closed-frame to take it off");
+        tool.warn("the volume of two-probes includes the roughness of the outside; give --closed-frame to subtract it");
 }
 }  // namespace
 
