@@ -17,7 +17,8 @@ struct AlphaSurfaceOptions {
     std::function<void(double)> progress = {};
     /// mm; of equal particles, for the corrected volumes; 0: those of the pores are not known.
     double seed_radius = 0.0;
-    std::size_t auxiliary = 0;  ///< so many of the last centres enclose like the others, but are no particles
+    std::size_t auxiliary =
+        0;  ///< number of centres at the end that shape the surface like the others, but are no particles
 };
 
 /// A part of the solid (filled tetrahedra connected through facets), or a pore (empty ones connected through facets or

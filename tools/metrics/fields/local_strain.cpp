@@ -27,8 +27,10 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage{"local_strain",
-                      "Local strain of a run: of each particle's neighbours since a reference, and what is not affine."}
+    return cli::Usage{
+        "local_strain",
+        "Local strain of each particle, from the motion of its neighbours since a reference frame, and its "
+        "non-affine part."}
         .input("RUN", request.run, "Run (.h5) to measure.")
         .output("FIELDS", request.fields, "Strain of each particle, to write; beside it a .xdmf for ParaView.", {".h5"})
         .option("--radius", request.radius, cli::Unit::length, cli::positive,

@@ -29,8 +29,9 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage{"local_stress",
-                      "Local stress of a run: averaged in space, its equivalent stress with sign, pressure."}
+    return cli::Usage{
+        "local_stress",
+        "Local stress of each particle, averaged in space, with its signed equivalent stress and pressure."}
         .input("RUN", request.run, "Run (.h5) whose scene says stress = true under [output].")
         .output("FIELDS", request.fields, "Stress of each particle, to write; beside it a .xdmf for ParaView.", {".h5"})
         .option("--radius", request.radius, cli::Unit::length, cli::positive,

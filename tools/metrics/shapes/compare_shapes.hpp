@@ -13,8 +13,8 @@
 /// A frame of a run beside the tomography of the same strain.
 namespace tomodem::shapes {
 
-/// One object of a run, as object_shapes measures it; or one of its pores, as image_shapes does in the voxels of the
-/// run.
+/// One object of a run, measured as by object_shapes; or one of its pores, measured as by image_shapes in the voxels of
+/// the run.
 struct RunBody {
     std::int32_t number = 0, species = 0;
     std::int64_t particles = 0;
@@ -31,7 +31,7 @@ std::vector<RunBody> bodies_of_pores(const VoidParts& parts);
 enum class MatchedBy { overlap, centre, run_only, image_only };
 const char* name_of(MatchedBy matched);
 
-/// Two objects taken for the same, or one that has no other.
+/// An object of the run and the object of the image that it is, or an object without a partner.
 struct Match {
     MatchedBy by = MatchedBy::overlap;
     const RunBody* run = nullptr;      ///< none for image_only

@@ -12,7 +12,7 @@ namespace tomodem::shapes {
 /// @throws InvalidInput as alpha_surface
 AlphaSurface surface_of_all(std::span<const Vec3> position, double seed_radius);
 
-/// The volume that a particle of an object stands for.
+/// The volume of a particle of an object, with its share of the gaps.
 enum class ShareOf {
     all,      ///< each its own: all particles of the object are inside the matter
     inside,   ///< the mean of those that are as deep inside as there are enough

@@ -1,4 +1,4 @@
-// equilibrium: how far the forces on the two planes are from cancelling.
+// equilibrium: difference of the forces on the two planes, relative to their mean.
 #include <fmt/format.h>
 
 #include <algorithm>
