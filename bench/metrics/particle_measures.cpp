@@ -23,6 +23,7 @@
 #include "tools/metrics/fields/space_average.hpp"
 
 using namespace tomodem;
+using namespace tomodem::fields;
 
 namespace {
 

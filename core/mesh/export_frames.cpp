@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <iterator>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -57,23 +55,6 @@ void write_vtp_frame(const RunReader& run, std::size_t index, const fs::path& pa
 }
 
 }  // namespace
-
-std::vector<std::size_t> chosen_frames(std::string_view choice, std::size_t frame_count) {
-    if (choice == "first") return {0};
-    if (choice == "last") return {frame_count - 1};
-    if (choice == "all") {
-        std::vector<std::size_t> frames(frame_count);
-        std::iota(frames.begin(), frames.end(), 0);
-        return frames;
-    }
-    std::size_t index = 0;
-    const auto [end, error] = std::from_chars(choice.data(), choice.data() + choice.size(), index);
-    if (error != std::errc{} || end != choice.data() + choice.size())
-        throw WrongUsage(fmt::format("--frames '{}': give all, first, last or a number from 0", choice));
-    if (index >= frame_count)
-        throw InvalidInput(fmt::format("--frames {}: the file has frames 0 to {}", index, frame_count - 1));
-    return {index};
-}
 
 void export_dump(const RunReader& run, const std::vector<std::size_t>& frames, const fs::path& output,
                  const FrameDone& done) {

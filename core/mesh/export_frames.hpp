@@ -2,22 +2,17 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <string_view>
 #include <vector>
 
 #include "core/packing/packing_file.hpp"
 
 namespace tomodem {
 
-/// The frames that "all", "first", "last" or a number from 0 names.
-/// @throws InvalidInput if there is no such frame; WrongUsage if it is none of these words
-std::vector<std::size_t> chosen_frames(std::string_view choice, std::size_t frame_count);
-
 /// Called after each frame with the number of frames done.
 using FrameDone = std::function<void(std::size_t)>;
 
 /// All chosen frames in one LAMMPS text dump: `id type x y z radius object`, lengths in mm; type is the label, object 0
-/// where objects are not told apart. Then the fields of the run: NAME, NAME_x ... of a vector (vx vy vz of the
+/// where the packing has no objects. Then the fields of the run: NAME, NAME_x ... of a vector (vx vy vz of the
 /// velocity), NAME_xx ... of a tensor. Numbers have the digits that give the same double again.
 /// @see https://docs.lammps.org/dump.html
 void export_dump(const RunReader& run, const std::vector<std::size_t>& frames, const std::filesystem::path& output,

@@ -31,7 +31,9 @@ struct TriangleNumber {
 void write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path,
                 const std::vector<TriangleNumber>& numbers = {});
 
-/// Reads binary or ASCII STL, PLY as written by write_mesh; equal vertices of an STL are merged.
+/// Reads binary or ASCII STL or PLY, by CGAL: library tomodem_mesh_read. Equal vertices of an STL are merged.
+/// @throws InvalidInput for another extension, a file that is cut or damaged, a vertex that is not finite, or a face
+///         that is not a triangle
 TriangleMesh read_mesh(const std::filesystem::path& path);
 
 }  // namespace tomodem

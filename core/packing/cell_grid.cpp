@@ -27,17 +27,17 @@ CellGrid::CellGrid(std::span<const Vec3> points, const Box& box, double cutoff) 
         throw InvalidInput(fmt::format("{} points are too many for a table of neighbours", points.size()));
     low_ = box.origin;
     Vec3 high = box.origin + box.edges;
-    Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), most = -least;
+    Vec3 min = Vec3::Constant(std::numeric_limits<double>::infinity()), max = -min;
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!points[i].allFinite())
             throw InvalidInput(fmt::format("point {} (counted from 1) has a coordinate that is not a number", i + 1));
-        least = least.cwiseMin(points[i]);
-        most = most.cwiseMax(points[i]);
+        min = min.cwiseMin(points[i]);
+        max = max.cwiseMax(points[i]);
     }
     for (int axis = 0; axis < 3; ++axis)
         if (!box.periodic[axis] && !points.empty()) {
-            low_[axis] = least[axis];
-            high[axis] = most[axis];
+            low_[axis] = min[axis];
+            high[axis] = max[axis];
         }
     length_ = (high - low_).cwiseMax(cutoff);
     const double one_each = std::cbrt(static_cast<double>(points.size() + 1) / length_.prod());

@@ -10,7 +10,7 @@
 
 namespace tomodem {
 
-/// From a coordinate to the nearest of its periodic images.
+/// The difference of two coordinates, to the nearest periodic image.
 inline double nearest_image(double difference, double edge) {
     return difference - edge * std::nearbyint(difference / edge);
 }
@@ -18,7 +18,8 @@ inline double nearest_image(double difference, double edge) {
 /// Infinity where no axis is periodic.
 double half_of_shortest_period(const Box& box);
 
-/// Points sorted into cells that are no shorter than a cutoff, for loops over near pairs that keep no list of them.
+/// Neighbours of each point within a cutoff, without a list of pairs: points sorted into cells no shorter than the
+/// cutoff.
 ///
 /// The box repeats along its periodic axes; along the others points may lie anywhere. Points are visited in an order
 /// that depends on the points alone.

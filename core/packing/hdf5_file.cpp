@@ -123,10 +123,6 @@ Hdf5Handle Hdf5Writer::group(hid_t parent, const char* name) {
     return {H5Gcreate2(parent, name, H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose, failure_};
 }
 
-Hdf5Handle Hdf5Writer::open_group(const char* path) {
-    return {H5Gopen2(file_, path, H5P_DEFAULT), H5Gclose, failure_};
-}
-
 void Hdf5Writer::attribute(hid_t object, const char* name, const std::string& text) {
     const Hdf5Handle type = text_type(text.size());
     Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose, failure_);

@@ -64,7 +64,6 @@ class Hdf5Writer {
     hid_t file() const { return file_; }
 
     Hdf5Handle group(hid_t parent, const char* name);
-    Hdf5Handle open_group(const char* path);
     template <class T>
     void attribute(hid_t object, const char* name, std::span<const T> values, bool scalar = false) {
         const hsize_t count = values.size();

@@ -23,7 +23,7 @@ struct Box {
 /// Spheres with labels, equal unless they have radii of their own. All lengths in mm, world coordinates (those of the
 /// tomography where there was one).
 ///
-/// Arrays have one entry a particle, sorted by id; `object` is empty where objects are not told apart, `radius` where
+/// Arrays have one entry a particle, sorted by id; `object` is empty where there are no objects, `radius` where
 /// all spheres are equal.
 struct Packing {
     Box box;                   ///< the region that was filled; edges[0] * edges[1] is the initial section
@@ -34,7 +34,8 @@ struct Packing {
     std::vector<std::int32_t> object;   ///< 0: belongs to no object of its own
     bool relaxed = false;               ///< the free sample is at rest under its law
     std::vector<double> radius{};       ///< [mm]
-    /// Other quantities of each particle by their name, such as a temperature from another volume; they change nothing.
+    /// Other quantities of each particle by their name, such as a temperature from another volume; the solver ignores
+    /// them.
     std::map<std::string, std::vector<double>> property{};
 
     std::size_t size() const { return position.size(); }

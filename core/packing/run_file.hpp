@@ -14,7 +14,7 @@
 /// The one place that knows how packings and runs lie in an H5MD file (docs/file-formats.md).
 ///
 /// A file is created complete in shape, by one process. What follows are numbers at fixed places, written by one
-/// process or by many together; so a file whose writers were killed at any moment can be read, and be gone on with.
+/// process or by many together; so a file whose writers were killed at any moment can be read, and its run resumed.
 namespace tomodem {
 
 struct CurveShape {

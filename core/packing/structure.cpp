@@ -329,19 +329,19 @@ namespace {
 /// Sums over contacts between two labels, each contact seen from both ends.
 struct PairSum {
     std::int64_t ends = 0, overlapping = 0;
-    double overlap = 0.0, most = 0.0;
+    double overlap = 0.0, max = 0.0;
     void add(const PairSum& other) {
         ends += other.ends;
         overlapping += other.overlapping;
         overlap += other.overlap;
-        most = std::max(most, other.most);
+        max = std::max(max, other.max);
     }
     void add(double depth) {
         ++ends;
         if (depth <= 0.0) return;
         ++overlapping;
         overlap += depth;
-        most = std::max(most, depth);
+        max = std::max(max, depth);
     }
     double mean() const { return overlapping > 0 ? overlap / static_cast<double>(overlapping) : 0.0; }
 };
@@ -412,10 +412,10 @@ ContactDetail contact_detail(const Packing& packing, double reach, OpenFaces fac
         for (std::size_t b = a; b < kinds; ++b) {
             PairSum sum;
             for (const auto& of_block : sums) sum.add(of_block[a * kinds + b]);
-            if (sum.ends > 0) detail.between[{labels.label[a], labels.label[b]}] = {sum.ends / 2, sum.most, sum.mean()};
+            if (sum.ends > 0) detail.between[{labels.label[a], labels.label[b]}] = {sum.ends / 2, sum.max, sum.mean()};
             all.add(sum);
         }
-    statistics.max_overlap = all.most;
+    statistics.max_overlap = all.max;
     for (std::size_t block = 0; block < sums.size(); ++block) {
         statistics.wall_contacts += wall_contacts[block];
         statistics.max_overlap = std::max(statistics.max_overlap, deepest_at_wall[block]);

@@ -7,13 +7,13 @@
 
 #include "core/packing/packing.hpp"
 
-/// How particles lie to each other: neighbours, contacts, radial distribution, local crystalline order.
+/// Arrangement of the particles: neighbours, contacts, radial distribution, local crystalline order.
 ///
 /// All results are the same on any number of threads. A box repeats along its periodic axes; along the others points
 /// may lie anywhere, and those at the edge of a sample have fewer neighbours.
 namespace tomodem {
 
-/// Who is closer than a cutoff to whom.
+/// Neighbours of each point within a cutoff.
 class NeighbourTable {
  public:
     /// @param cutoff  more than 0, at most half of the shortest periodic edge
@@ -70,8 +70,8 @@ enum class Order : std::uint8_t { none, fcc, hcp, bcc, icosahedral };
 ///
 /// The 12 nearest neighbours, bonded where closer than (1 + sqrt 2) / 2 of their mean distance: twelve 421 are fcc, six
 /// 421 and six 422 hcp, twelve 555 an icosahedron. Else the 14 nearest, with their own bond length: eight 666 and six
-/// 444 are bcc. Each is told by the common neighbours of a neighbour and the point, the bonds among them and the
-/// longest chain.
+/// 444 are bcc. The three digits of a neighbour are the common neighbours of it and the point, the bonds among them
+/// and the longest chain of these.
 ///
 /// @param neighbours  cutoff of 1.5 nearest distances or more; points with fewer than 12 neighbours have no order
 /// @see Honeycutt & Andersen, J. Phys. Chem. 91 (1987) 4950; Stukowski, Modelling Simul. Mater. Sci. Eng. 20 (2012)
@@ -101,10 +101,10 @@ struct BondOrder {
 ///      (1996) 9932
 BondOrder bond_order(const NeighbourTable& neighbours, double cutoff, double solid_like = 0.5, int threads = 1);
 
-/// What lies beyond the faces of a box along its axes that are not periodic.
+/// What stands at the faces of a box along the axes that are not periodic.
 enum class OpenFaces { free, walls };
 
-/// What the contacts of a packing look like: pairs with h < r_i + r_j, or within another reach.
+/// Contacts of a packing: pairs with h < r_i + r_j, or within another reach.
 struct ContactStatistics {
     std::int64_t contacts = 0;       ///< between particles
     std::int64_t wall_contacts = 0;  ///< those count for coordination and rattlers too

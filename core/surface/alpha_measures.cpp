@@ -62,15 +62,15 @@ constexpr std::int32_t deepest = deepest_centre;
 using Shares = std::array<Share, deepest + 1>;  // of the particles of at least that depth
 
 /// Fewer particles than this say too little of a body.
-constexpr std::int64_t least_inside = 50;
-/// Share of the particles inside that a layer must leave, or the next one is most of what is left.
-constexpr double least_left = 0.3;
+constexpr std::int64_t min_inside = 50;
+/// Share of the particles inside that a layer must leave, or the next one is the larger part of what is left.
+constexpr double min_left = 0.3;
 
 /// Mean volume of a particle, as deep inside as there are enough particles; 0 if there are not.
 double inside_volume(const Shares& shares) {
-    const double least = std::max(double(least_inside), least_left * double(shares[1].particles));
+    const double min = std::max(double(min_inside), min_left * double(shares[1].particles));
     for (std::int32_t depth = deepest; depth > 0; --depth)
-        if (double(shares[depth].particles) >= least) return shares[depth].volume / double(shares[depth].particles);
+        if (double(shares[depth].particles) >= min) return shares[depth].volume / double(shares[depth].particles);
     return 0.0;
 }
 
@@ -156,7 +156,7 @@ void measure_bodies(Delaunay& delaunay, const std::vector<double>& volumes, cons
         Body& body = surface.bodies[i];
         body.centre /= body.volume;
         // A small body is better off with the mean over all.
-        const double own = shares[i][2].particles >= least_inside ? inside_volume(shares[i]) : 0.0;
+        const double own = shares[i][2].particles >= min_inside ? inside_volume(shares[i]) : 0.0;
         const double each = own > 0.0 ? own : surface.inside_volume;
         if (each > 0.0) body.corrected_volume = double(body.particles) * each;
     }

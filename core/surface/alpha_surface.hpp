@@ -17,7 +17,8 @@ struct AlphaSurfaceOptions {
     std::function<void(double)> progress = {};
     /// mm; of equal particles, for the corrected volumes; 0: those of the pores are not known.
     double seed_radius = 0.0;
-    std::size_t auxiliary = 0;  ///< so many of the last centres enclose like the others, but are no particles
+    std::size_t auxiliary =
+        0;  ///< number of centres at the end that shape the surface like the others, but are no particles
 };
 
 /// A part of the solid (filled tetrahedra connected through facets), or a pore (empty ones connected through facets or
@@ -29,7 +30,7 @@ struct Body {
     std::int64_t particles = 0;  ///< centres in or touching it, each in one part only; of a pore: around it
     std::int64_t shells = 0;     ///< closed surfaces: the outer one and one around each hole (pore: each island)
     std::int64_t genus = 0;      ///< of all its surfaces together: the number of handles, b1
-    /// Volume up to where the material ends (docs/measures.md); not a number where it cannot be told.
+    /// Volume up to where the material ends (docs/measures.md); not a number where it cannot be measured.
     double corrected_volume = std::numeric_limits<double>::quiet_NaN();
 
     /// Of its surfaces, 2 (shells - genus); that of the body itself is half of it.

@@ -145,9 +145,9 @@ double default_lid_radius(std::span<const Vec3> centres) {
     return 0.5 * (high - low).minCoeff();
 }
 
-void Pores::leave_out_below(double least) {
+void Pores::leave_out_below(double min_volume) {
     const auto first_out =
-        std::find_if(pores.begin(), pores.end(), [&](const Pore& pore) { return pore.body.volume < least; });
+        std::find_if(pores.begin(), pores.end(), [&](const Pore& pore) { return pore.body.volume < min_volume; });
     const auto kept = std::int32_t(first_out - pores.begin());
     pores.erase(first_out, pores.end());
     std::vector<std::int32_t> number = surface.number;
@@ -158,12 +158,12 @@ void Pores::leave_out_below(double least) {
 
 std::vector<std::int64_t> lasting_numbers(const Pores& now, const Pores& before,
                                           const std::vector<std::int64_t>& numbers_before, std::int64_t& next) {
-    constexpr double least_shared = 0.2;
+    constexpr double min_shared = 0.2;
     std::vector<bool> taken(before.pores.size(), false);
     std::vector<std::int64_t> numbers;
     std::vector<std::int32_t> common;
     for (const Pore& pore : now.pores) {
-        double best = least_shared;
+        double best = min_shared;
         std::size_t partner = before.pores.size();
         for (std::size_t k = 0; k < before.pores.size(); ++k) {
             if (taken[k]) continue;
@@ -244,7 +244,7 @@ std::vector<Vec3> outward_vectors(std::span<const Vec3> centres, double reach, i
     return outward;
 }
 
-Pores pores_by_outward_vectors(std::span<const Vec3> centres, std::span<const Vec3> outward, double least,
+Pores pores_by_outward_vectors(std::span<const Vec3> centres, std::span<const Vec3> outward, double min_outward,
                                const PoreSearch& search) {
     require_lid(search);
     const AlphaSurface rolled = alpha_surface(centres, {.probe_radius = search.lid_radius,
@@ -261,7 +261,7 @@ Pores pores_by_outward_vectors(std::span<const Vec3> centres, std::span<const Ve
     std::vector<Vec3> walls;
     std::vector<std::int32_t> centre_of_wall;
     for (std::size_t i = 0; i < centres.size(); ++i)
-        if (outward[i].norm() > least && !exterior[i]) {
+        if (outward[i].norm() > min_outward && !exterior[i]) {
             walls.push_back(centres[i]);
             centre_of_wall.push_back(std::int32_t(i));
         }

@@ -6,7 +6,7 @@
 
 #include "core/surface/alpha_surface.hpp"
 
-/// Pores of a packing, found in three ways; only the first needs nobody to look at its result (docs/measures.md).
+/// Pores of a packing, found in three ways; only the result of the first needs no check by eye (docs/measures.md).
 namespace tomodem {
 
 struct Pore {
@@ -35,16 +35,17 @@ struct Pores {
     double volume() const;    ///< [mm^3]
     double corrected_volume() const;
     double mouth() const;  ///< [mm^2]
-    /// Leaves the pores that are smaller than `least` [mm^3] out.
-    void leave_out_below(double least);
+    /// Leaves out pores smaller than `min_volume` [mm^3].
+    void leave_out_below(double min_volume);
 };
 
-/// Radius [mm] of the ball that rolls over the outside where nothing else is said: half of the shortest edge of the box
+/// Default radius [mm] of the ball that rolls over the outside: half of the shortest edge of the box
 /// around the centres, so that it enters what is as wide as the sample itself.
 double default_lid_radius(std::span<const Vec3> centres);
 
-/// Numbers that last: a pore has that of the earlier pore with which it shares most of the centres around both, if that
-/// is a fifth of the smaller set at least; the larger pores choose first, and a new one has the next free number.
+/// Numbers that stay with a pore from frame to frame: a pore takes that of the earlier pore with which it shares the
+/// largest number of centres, if that is at least a fifth of the smaller set; the larger pores choose first, and a new
+/// one takes the next free number.
 /// @param before, numbers_before  of the frame before, each number once
 /// @param next                    the next free number; is raised
 std::vector<std::int64_t> lasting_numbers(const Pores& now, const Pores& before,
@@ -70,15 +71,15 @@ double probe_difference(std::span<const Vec3> centres, double small_probe, doubl
 /// @see thesis section 9.3
 std::vector<Vec3> outward_vectors(std::span<const Vec3> centres, double reach, int threads = 1);
 
-/// The thesis' way to see pores (section 16.1): the particles whose outward vector is longer than `least`, less those
-/// of the exterior, wrapped by an alpha shape. The volume is all that its outer surfaces enclose.
+/// The thesis' way to see pores (section 16.1): the particles whose outward vector is longer than `min_outward`, less
+/// those of the exterior, wrapped by an alpha shape. The volume is all that its outer surfaces enclose.
 ///
 /// The thesis took the particles of the exterior out by hand; here they are those within a probe's diameter of a centre
 /// that the large ball touches from outside (PoreSearch::lid_radius).
-/// @param outward  [mm], one a centre
-/// @param least    N_mag [mm]
+/// @param outward      [mm], one a centre
+/// @param min_outward  N_mag [mm]
 /// @throws InvalidInput as alpha_surface, for the sample; no pore: an empty result
-Pores pores_by_outward_vectors(std::span<const Vec3> centres, std::span<const Vec3> outward, double least,
+Pores pores_by_outward_vectors(std::span<const Vec3> centres, std::span<const Vec3> outward, double min_outward,
                                const PoreSearch& search);
 
 }  // namespace tomodem

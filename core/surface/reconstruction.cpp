@@ -63,10 +63,10 @@ void require_smaller_probe(std::span<const Vec3> centres, double probe_radius) {
     }
     const double diagonal = (high - low).norm();
     if (centres.size() >= 4 && probe_radius > diagonal)
-        throw InvalidInput(fmt::format(
-            "the probe radius {:g} mm is larger than what it is to wrap: the centres of the {} particles lie "
-            "in a box of diagonal {:.4g} mm; give a smaller one",
-            probe_radius, centres.size(), diagonal));
+        throw InvalidInput(
+            fmt::format("the probe radius {:g} mm is larger than the particles to wrap: the {} centres lie "
+                        "in a box of diagonal {:.4g} mm; give a smaller one",
+                        probe_radius, centres.size(), diagonal));
 }
 
 double Reconstruction::volume() const {

@@ -8,7 +8,7 @@
 #include "core/surface/alpha_surface.hpp"
 #include "core/surface/selection.hpp"
 
-/// The surfaces of a frame that a user asks for, and the measures of each body.
+/// The chosen surfaces of a frame, and the measures of each body.
 namespace tomodem {
 
 enum class Bodies {

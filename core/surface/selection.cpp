@@ -13,7 +13,7 @@ namespace tomodem {
 std::vector<Vec3> selected_centres(const Packing& packing, const Selection& selection) {
     if (selection.object && packing.object.empty())
         throw InvalidInput(
-            fmt::format("no object {} in the sample: its objects are not told apart; set 'objects = true' "
+            fmt::format("no object {} in the sample: its particles carry no object numbers; set 'objects = true' "
                         "for the phase in the scene, or select by species",
                         *selection.object));
     std::vector<Vec3> centres;

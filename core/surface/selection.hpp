@@ -7,7 +7,7 @@
 
 namespace tomodem {
 
-/// Which particles are meant; without either, all.
+/// Particles of a phase, of an object, or of both; without either, all.
 struct Selection {
     std::optional<std::int64_t> species = {}, object = {};
 };

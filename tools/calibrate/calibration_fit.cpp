@@ -16,6 +16,7 @@
 #include "tools/metrics/curves/strain_curves.hpp"
 
 namespace tomodem {
+using namespace curves;
 namespace {
 
 constexpr double pascal_per_megapascal = 1e6;
@@ -275,7 +276,7 @@ MeasuredRun measure_run(const std::filesystem::path& path, const FlowStrain& whe
     const StrainCurves curves = read_strain_curves(path, {{"stress_true", "Pa"}});
     Plateau plateau;
     try {
-        plateau = tomodem::plateau(curves, "stress_true", where.at, where.window);
+        plateau = curves::plateau(curves, "stress_true", where.at, where.window);
     } catch (const InvalidInput& error) {
         fail(error.what());
     }
@@ -303,7 +304,7 @@ MeasuredRun measure_run(const std::filesystem::path& path, const FlowStrain& whe
     for (double strain = 0; strain <= largest_strain(curves); strain += ratio_spacing) {
         double ratio = missing;
         try {
-            ratio = tomodem::plateau(curves, "stress_true", std::max(strain, ratio_spacing / 2), smoothing / 2).mean /
+            ratio = curves::plateau(curves, "stress_true", std::max(strain, ratio_spacing / 2), smoothing / 2).mean /
                     plateau.mean;
         } catch (const InvalidInput&) {  // before the strain of a leg that came later
         }

@@ -1,5 +1,6 @@
 // export_packing: a packing or run as files that OVITO (LAMMPS dump) and ParaView (VTP) open.
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/mesh/export_frames.hpp"
 #include "core/packing/packing_file.hpp"
 
@@ -29,7 +30,7 @@ void run(const Request& request, cli::Tool& tool) {
     if (extension != ".dump" && extension != ".vtp" && extension != ".pvd")
         throw WrongUsage("OUTPUT '" + request.output.string() + "': the name must end in .dump, .vtp or .pvd");
     const RunReader run(request.input);
-    const auto frames = chosen_frames(request.frames, run.frame_count());
+    const auto frames = cli::chosen_frames(request.frames, run.frame_count());
 
     const auto progress = tool.progress("frames", static_cast<double>(frames.size()));
     const auto done = [&](std::size_t count) { progress->update(static_cast<double>(count)); };

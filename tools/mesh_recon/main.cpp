@@ -32,25 +32,29 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"mesh_recon",
                       "Wrap the particles of a sample, a phase, objects, or its pores in closed triangle meshes."}
-        .input("INPUT", request.packing, "sample or run (.h5)")
+        .input("RUN", request.packing, "Run or sample (.h5) to wrap.")
         .output(
             "MESH", request.mesh,
-            "surface to write (.stl, .ply, .vtp or .obj); all frames: NAME_0000.EXT, ..., and NAME.pvd (.pvd or .vtp)")
+            "Surface to write. With --frames all, the files are NAME_0000.EXT, NAME_0001.EXT, ..., and for .vtp and "
+            ".pvd the series NAME.pvd of .vtp files.",
+            {".stl", ".ply", ".vtp", ".obj", ".pvd"})
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
-                "gaps between centres that a ball of this radius cannot enter are filled; one particle diameter where "
-                "not given")
+                "Fill the gaps between centres that a ball of this radius cannot enter; the default is one particle "
+                "diameter.")
         .option("--frame", request.frame, cli::Unit::none, {.low = -1},
-                "frame of a run, counted from 0; -1 is the last")
-        .choice("--frames", request.frames, {"first", "last", "all"}, "frames of a run")
-        .option("--species", request.species, cli::Unit::none, cli::positive, "only the phase of this label")
-        .option("--object", request.object, cli::Unit::none, cli::positive, "only the object of this number")
-        .flag("--each-object", request.each_object, "every object on its own, in one mesh")
-        .flag("--pores", request.pores, "the closed pores instead of the solid")
+                "Take this frame of the run, counted from 0; -1 is the last.")
+        .choice("--frames", request.frames, {"first", "last", "all"}, "Take these frames of the run.")
+        .option("--species", request.species, cli::Unit::none, cli::positive, "Take only the phase of this label.")
+        .option("--object", request.object, cli::Unit::none, cli::positive, "Take only the object of this number.")
+        .flag("--each-object", request.each_object, "Wrap every object by itself; all go into one mesh.")
+        .flag("--pores", request.pores, "Wrap the closed pores instead of the solid.")
         .option("--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
-                "with --pores: those with a mouth too, under a lid that a ball of this radius rolls on")
+                "With --pores, also take pores with a mouth, and close it with a lid that a ball of this radius rolls "
+                "on.")
         .flag("--correct-envelope", request.correct_envelope,
-              "move the surfaces from the outermost centres to where the material ends")
-        .output_option("--bodies", request.table, "measures of each body (or pore), to write (.csv)")
+              "Move the surfaces from the outermost centres to where the material ends.")
+        .output_option("--bodies", request.table, "Also write the measures of each body or pore.", {".csv"})
+        .step(cli::Step::surface)
         .exclusive({"--species", "--object", "--each-object"})
         .exclusive({"--pores", "--each-object"})
         .exclusive({"--frame", "--frames"})
@@ -80,7 +84,8 @@ Table table_of(const RunReader& run, const std::vector<std::size_t>& frames, con
     return table;
 }
 
-std::string json_of(const std::vector<std::size_t>& frames, const std::vector<Reconstruction>& results, bool pores) {
+nlohmann::ordered_json json_of(const std::vector<std::size_t>& frames, const std::vector<Reconstruction>& results,
+                               bool pores) {
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (std::size_t k = 0; k < frames.size(); ++k)
         for (std::size_t i = 0; i < results[k].rows.size(); ++i) {
@@ -99,7 +104,7 @@ std::string json_of(const std::vector<std::size_t>& frames, const std::vector<Re
                                        {"euler_characteristic", body.euler_characteristic()}};
             rows.push_back(std::move(row));  // a volume that is not a number becomes null
         }
-    return rows.dump();
+    return rows;
 }
 
 /// Files that go again unless all of them were written.
@@ -181,8 +186,9 @@ void run(const Request& request, cli::Tool& tool) {
 
     const Reconstruction& shown = results.back();
     if (options.probe_radius > 10 * default_probe_radius(packing.seed_radius))
-        tool.warn(fmt::format("a probe of {:g} mm is more than ten particle diameters: little but the hull is left",
-                              options.probe_radius));
+        tool.warn(
+            fmt::format("a probe of {:g} mm is more than ten particle diameters: the mesh is nearly the convex hull",
+                        options.probe_radius));
     if (request.pores && shown.rows.empty()) tool.warn("there is no pore: the mesh is empty");
     if (shown.objects_left_out > 0)
         tool.warn(
@@ -198,7 +204,7 @@ void run(const Request& request, cli::Tool& tool) {
     tool.report("shells", shown.shells());
     tool.report("genus", shown.genus());
     tool.report("triangles", std::int64_t(shown.body_of_triangle.size()));
-    tool.report_json("bodies", nlohmann::ordered_json::parse(json_of(frames, results, request.pores)));
+    tool.report_json("bodies", json_of(frames, results, request.pores));
 }
 }  // namespace
 

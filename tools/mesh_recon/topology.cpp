@@ -11,7 +11,7 @@
 
 #include "core/packing/structure.hpp"
 
-namespace tomodem {
+namespace tomodem::mesh_recon {
 namespace {
 
 using Centres = std::vector<std::int32_t>;
@@ -24,12 +24,12 @@ Groups parts_of(const FrameTopology& frame) {
     return groups;
 }
 
-/// Which of the groups before goes on as which of those after.
+/// For each group of one frame, those of the other frame that continue it.
 struct Links {
     std::vector<std::set<std::int32_t>> after_of, before_of;
 };
 
-Links link(const Groups& before, const Groups& after, double least_share) {
+Links link(const Groups& before, const Groups& after, double min_share) {
     std::map<std::int32_t, Centres> after_at;  // groups that a centre belongs to
     for (std::size_t b = 0; b < after.size(); ++b)
         for (const std::int32_t centre : after[b]) after_at[centre].push_back(std::int32_t(b));
@@ -43,7 +43,7 @@ Links link(const Groups& before, const Groups& after, double least_share) {
         best_before(after.size(), {0, -1});
     for (const auto& [pair, count] : shared) {
         const auto [a, b] = pair;
-        if (double(count) < least_share * double(std::min(before[a].size(), after[b].size()))) continue;
+        if (double(count) < min_share * double(std::min(before[a].size(), after[b].size()))) continue;
         if (count > best_after[a].first) best_after[a] = {count, b};
         if (count > best_before[b].first) best_before[b] = {count, a};
     }
@@ -195,7 +195,7 @@ const char* name_of(Change change) {
     return "";
 }
 
-FrameTopology frame_topology(AlphaSurface surface, const LeastSizes& least) {
+FrameTopology frame_topology(AlphaSurface surface, const MinSizes& min) {
     FrameTopology frame;
     frame.b0 = std::int64_t(surface.bodies.size());
     frame.b2 = std::int64_t(surface.pores.size());
@@ -203,7 +203,7 @@ FrameTopology frame_topology(AlphaSurface surface, const LeastSizes& least) {
     std::vector<std::int32_t> kept(surface.bodies.size(), -1);
     for (std::size_t i = 0; i < surface.bodies.size(); ++i) {
         frame.b1 += surface.bodies[i].genus;
-        if (surface.bodies[i].particles < least.particles) continue;
+        if (surface.bodies[i].particles < min.particles) continue;
         kept[i] = std::int32_t(frame.parts.size());
         frame.parts.push_back(surface.bodies[i]);
     }
@@ -214,7 +214,7 @@ FrameTopology frame_topology(AlphaSurface surface, const LeastSizes& least) {
         const Body& pore = surface.pores[i];
         frame.pore_volume += pore.volume;
         const double size = std::isnan(pore.corrected_volume) ? pore.volume : pore.corrected_volume;
-        if (size < least.pore * surface.inside_volume) continue;
+        if (size < min.pore * surface.inside_volume) continue;
         frame.pores.push_back(pore);
         frame.centres_of_pore.push_back(std::move(surface.centres_of_pore[i]));
     }
@@ -274,4 +274,4 @@ std::vector<Event> events_between(const FrameTopology& before, const FrameTopolo
     return events;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::mesh_recon

@@ -6,15 +6,15 @@
 #include "core/surface/alpha_surface.hpp"
 
 /// Parts, handles and pores of the alpha shape through the frames of a run, and what happens to them.
-namespace tomodem {
+namespace tomodem::mesh_recon {
 
-/// What is too small to be followed.
-struct LeastSizes {
+/// Smaller parts and pores are counted, but not followed from frame to frame.
+struct MinSizes {
     std::int64_t particles = 20;  ///< of a part
     double pore = 4.0;            ///< volume of a pore, in volumes of a particle with its share of the gaps
 };
 
-/// What remains of a frame's alpha shape when its surface is forgotten.
+/// The alpha shape of a frame without its surface.
 struct FrameTopology {
     std::int64_t b0 = 0;                                     ///< parts of any size
     std::int64_t b1 = 0;                                     ///< handles
@@ -27,7 +27,7 @@ struct FrameTopology {
     std::vector<bool> outside;                               ///< is the centre at the void outside?
 };
 
-FrameTopology frame_topology(AlphaSurface surface, const LeastSizes& least);
+FrameTopology frame_topology(AlphaSurface surface, const MinSizes& min);
 
 enum class Change {
     merge,          ///< two parts became one
@@ -51,10 +51,10 @@ struct Event {
     std::vector<std::int32_t> before, after;  ///< parts or pores concerned, numbered from 0 in their frames
 };
 
-/// A part goes on as the part that shares most particles with it, a pore as the one that shares most of the particles
-/// around it (0.5 and 0.3 of the smaller set at least), seen from either frame; a pore without such a partner as the
-/// one whose place it takes. Where several go on as one, they merged. Of a pore that goes on as none, and of one that
-/// comes from none, half of the particles around it say whether the outside was there.
+/// A part continues in the part that shares the largest number of particles with it, a pore in the pore that shares the
+/// largest number of the particles around it (at least 0.5 and 0.3 of the smaller set), seen from either frame; a pore
+/// without such a partner continues in the pore that takes its place. Several that continue in one have merged. A pore
+/// that ends, or begins, is open to the outside if half of the particles around it lie at the outside.
 ///
 /// @param before, after      the same particles in the same order
 /// @param positions_before, positions_after  of these particles [mm]
@@ -64,4 +64,4 @@ std::vector<Event> events_between(const FrameTopology& before, const FrameTopolo
                                   std::span<const Vec3> positions_before, std::span<const Vec3> positions_after,
                                   double reach);
 
-}  // namespace tomodem
+}  // namespace tomodem::mesh_recon

@@ -47,12 +47,12 @@ print(sum(json.load(open(n + ".json"))["volume"] for n in ("one", "two", "three"
 @test "bad requests are refused with one line and no mesh" {
     "$synthetic_run" run.h5
     fails 1 "no particle of species 5 in the sample; it has 1" "$TOMODEM_BIN/mesh_recon" run.h5 out.stl --species 5
-    fails 1 "objects are not told apart" "$TOMODEM_BIN/mesh_recon" run.h5 out.stl --object 1
+    fails 1 "its particles carry no object numbers" "$TOMODEM_BIN/mesh_recon" run.h5 out.stl --object 1
     fails 1 "give a larger probe radius" "$TOMODEM_BIN/mesh_recon" run.h5 out.stl --probe-radius 0.1mm
-    fails 1 ".stl" "$TOMODEM_BIN/mesh_recon" run.h5 out.off
+    fails 2 ".stl" "$TOMODEM_BIN/mesh_recon" run.h5 out.off
     fails 1 "there is no frame 9" "$TOMODEM_BIN/mesh_recon" run.h5 out.stl --frame 9
     fails 1 "no objects in the sample" "$TOMODEM_BIN/mesh_recon" run.h5 out.stl --each-object
-    fails 1 "larger than what it is to wrap" "$TOMODEM_BIN/mesh_recon" run.h5 out.stl --probe-radius 15mm
+    fails 1 "larger than the particles to wrap" "$TOMODEM_BIN/mesh_recon" run.h5 out.stl --probe-radius 15mm
     fails 1 "give --frames all" "$TOMODEM_BIN/mesh_recon" run.h5 out.pvd
     fails 1 "frame 0: a ball of" "$TOMODEM_BIN/mesh_recon" run.h5 out.pvd --frames all --probe-radius 0.1mm
     fails 2 "exclude each other" "$TOMODEM_BIN/mesh_recon" run.h5 out.stl --frame 1 --frames all

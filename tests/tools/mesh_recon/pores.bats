@@ -105,7 +105,7 @@ PYTHON
 @test "what cannot be measured is refused in one line" {
     "$synthetic_run" run.h5
     fails 2 "goes with --method two-probes only" "$pores" run.h5 out.csv --closed-frame 0
-    fails 2 "goes with --method outward-vectors only" "$pores" run.h5 out.csv --least-outward 1mm
+    fails 2 "goes with --method outward-vectors only" "$pores" run.h5 out.csv --min-outward 1mm
     fails 2 "one volume for all pores" "$pores" run.h5 out.csv --method two-probes --each each.csv
     fails 2 "exclude each other" "$pores" run.h5 out.csv --closed-only --lid-radius 3mm
     fails 2 "--probe-radius" "$pores" run.h5 out.csv --probe-radius 0mm

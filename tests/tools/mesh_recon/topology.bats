@@ -42,7 +42,7 @@ PYTHON
 
 @test "pores below the least size are counted and not followed" {
     "$synthetic_run" run.h5 cells=8 frames=2
-    "$TOMODEM_BIN/topology" run.h5 frames.csv --events events.csv --least-pore 1000
+    "$TOMODEM_BIN/topology" run.h5 frames.csv --events events.csv --min-pore 1000
     [ "$(wc -l <events.csv)" -eq 1 ]
 }
 
@@ -50,7 +50,7 @@ PYTHON
     "$synthetic_run" run.h5
     fails 1 "no particle of species 5" "$TOMODEM_BIN/topology" run.h5 out.csv --species 5
     fails 1 "frame 0: a ball of" "$TOMODEM_BIN/topology" run.h5 out.csv --probe-radius 0.1mm
-    fails 1 "larger than what it is to wrap" "$TOMODEM_BIN/topology" run.h5 out.csv --probe-radius 15mm
+    fails 1 "larger than the particles to wrap" "$TOMODEM_BIN/topology" run.h5 out.csv --probe-radius 15mm
     fails 2 "--probe-radius" "$TOMODEM_BIN/topology" run.h5 out.csv --probe-radius 0mm
-    fails 2 "--least-particles" "$TOMODEM_BIN/topology" run.h5 out.csv --least-particles 1
+    fails 2 "--min-particles" "$TOMODEM_BIN/topology" run.h5 out.csv --min-particles 1
 }

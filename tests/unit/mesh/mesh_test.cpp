@@ -84,6 +84,32 @@ TEST_F(MeshFile, BinaryStlThatBeginsWithSolidIsRead) {
     EXPECT_EQ(read_mesh(folder / "a.stl").triangles.size(), 4);
 }
 
+TEST_F(MeshFile, PlyAsTextAndInSinglePrecisionIsRead) {
+    put(folder / "a.ply",
+        "ply\nformat ascii 1.0\ncomment of another program\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty uchar quality\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
+        "0 0 0 7\n2 0 0 7\n0 3.5 0 7\n3 0 1 2\n");
+    const TriangleMesh mesh = read_mesh(folder / "a.ply");
+    EXPECT_EQ(mesh.area(), 3.5);
+    EXPECT_THAT(mesh.triangles, ElementsAre(std::array<std::int32_t, 3>{0, 1, 2}));
+}
+
+TEST_F(MeshFile, RejectsAFaceOfFourVertices) {
+    put(folder / "a.ply",
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
+    EXPECT_THAT([&] { read_mesh(folder / "a.ply"); }, ThrowsMessage<InvalidInput>(HasSubstr("not a triangle")));
+}
+
+TEST_F(MeshFile, RejectsAnotherFileThatIsNamedAsAMesh) {
+    for (const char* name : {"a.stl", "a.ply"}) {
+        put(folder / name, "frame [-],time [s],strain [-]\n" + std::string(200, '0') + "\n");
+        EXPECT_THAT([&] { read_mesh(folder / name); },
+                    ThrowsMessage<InvalidInput>(HasSubstr("cut short, or no " + std::string(name).substr(2))));
+    }
+}
+
 TEST_F(MeshFile, RejectsACutFile) {
     for (const char* name : {"a.stl", "a.ply"}) {
         write_mesh(corner_tetrahedron(1.0), folder / name);

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-namespace tomodem {
+namespace tomodem::mesh_recon {
 namespace {
 
 using testing::ElementsAre;
@@ -164,4 +164,4 @@ TEST(Topology, CountsButDoesNotFollowWhatIsSmall) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::mesh_recon

@@ -39,7 +39,7 @@ TEST(Reconstruction, OfObjectsRejectsASampleWithoutAny) {
 
 TEST(Reconstruction, RejectsAProbeLargerThanTheSample) {
     EXPECT_THAT([] { reconstruct(synthetic::sample(synthetic::cube(3, 1.0)), {.probe_radius = 6.0}); },
-                ThrowsMessage<InvalidInput>(HasSubstr("larger than what it is to wrap")));
+                ThrowsMessage<InvalidInput>(HasSubstr("larger than the particles to wrap")));
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ TEST(Selection, RejectsAnObjectWhereObjectsAreNotToldApart) {
     Packing packing = three_particles();
     packing.object.clear();
     EXPECT_THAT([&] { selected_centres(packing, {.object = 1}); },
-                ThrowsMessage<InvalidInput>(HasSubstr("not told apart")));
+                ThrowsMessage<InvalidInput>(HasSubstr("carry no object numbers")));
 }
 
 }  // namespace

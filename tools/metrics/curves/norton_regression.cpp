@@ -7,7 +7,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tomodem {
+namespace tomodem::curves {
 namespace {
 
 /// P(|T| < t), Abramowitz & Stegun 26.7.3 (odd) and 26.7.4 (even).
@@ -78,4 +78,4 @@ NortonFit norton_fit(std::span<const double> rate, std::span<const double> stres
     return fit;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::curves

@@ -2,7 +2,7 @@
 #include <optional>
 #include <span>
 
-namespace tomodem {
+namespace tomodem::curves {
 
 struct Interval {
     double low, high;
@@ -31,4 +31,4 @@ NortonFit norton_fit(std::span<const double> rate, std::span<const double> stres
 /// The t for which a Student variable of `degrees` degrees of freedom is within [-t, t] with this probability.
 double student_t(double probability, int degrees);
 
-}  // namespace tomodem
+}  // namespace tomodem::curves

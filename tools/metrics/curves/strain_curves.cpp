@@ -7,7 +7,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tomodem {
+namespace tomodem::curves {
 namespace {
 
 const Observable& checked(const RunReader& run, const std::filesystem::path& path, const CurveName& wanted) {
@@ -230,4 +230,4 @@ Plateau mean_between(const StrainCurves& curves, const std::string& name, double
                     from, to, largest_strain(curves)));
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::curves

@@ -7,7 +7,7 @@
 
 #include "core/packing/packing_file.hpp"
 
-namespace tomodem {
+namespace tomodem::curves {
 
 /// Macroscopic curves of a run at the points of its `strain` curve; all arrays have the same length, at least 2.
 struct StrainCurves {
@@ -91,4 +91,4 @@ StrainCurves equilibrium_errors(const StrainCurves& forces);
 /// @throws InvalidInput if a run has no curve of the strain
 double frame_strain(const RunReader& run, std::size_t index);
 
-}  // namespace tomodem
+}  // namespace tomodem::curves

@@ -9,7 +9,7 @@
 #include "core/base/error.hpp"
 #include "core/surface/alpha_surface.hpp"
 
-namespace tomodem {
+namespace tomodem::curves {
 
 std::vector<FrameVolume> volume_series(const RunReader& run, double probe_radius, int threads,
                                        const std::function<void(double)>& progress) {
@@ -47,4 +47,4 @@ std::vector<FrameVolume> volume_series(const RunReader& run, double probe_radius
     return volumes;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::curves

@@ -4,7 +4,7 @@
 
 #include "core/packing/packing_file.hpp"
 
-namespace tomodem {
+namespace tomodem::curves {
 
 /// Alpha shape of the particle centres at one frame.
 struct FrameVolume {
@@ -21,4 +21,4 @@ struct FrameVolume {
 std::vector<FrameVolume> volume_series(const RunReader& run, double probe_radius, int threads,
                                        const std::function<void(double)>& progress);
 
-}  // namespace tomodem
+}  // namespace tomodem::curves

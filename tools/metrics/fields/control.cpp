@@ -9,7 +9,8 @@
 #include "core/base/error.hpp"
 #include "core/surface/alpha_surface.hpp"
 
-namespace tomodem {
+namespace tomodem::fields {
+using namespace curves;
 
 double stiffness_level(double stiffness, double stress, double diameter) {
     return stiffness / (stress * diameter);
@@ -26,8 +27,9 @@ double kinetic_number(double kinetic, double stress, double diameter) {
 std::vector<PhaseConstants> phase_constants(const RunFrames& frames) {
     if (!frames.scene())
         throw InvalidInput(
-            "the file holds no scene: stiffness and mass of its particles are known of what relax and "
-            "solve write");
+            "the file holds no scene, which gives the stiffness and mass of its particles; give a file written by "
+            "relax "
+            "or solve");
     const Scene& scene = *frames.scene();
     Packing sample = frames.packing();
     sample.box = frames.box(0);
@@ -72,10 +74,10 @@ ControlNumbers ControlCurves::at(double time, const std::vector<PhaseConstants>&
         if (result.stress > 0.0) {
             numbers.stiffness_level = stiffness_level(numbers.stiffness, result.stress, diameter);
             numbers.inertial_number = inertial_number(result.rate, numbers.mass, result.stress, diameter);
-            if (!result.least_stiffness_level || *numbers.stiffness_level < *result.least_stiffness_level)
-                result.least_stiffness_level = numbers.stiffness_level;
-            if (!result.greatest_inertial_number || *numbers.inertial_number > *result.greatest_inertial_number)
-                result.greatest_inertial_number = numbers.inertial_number;
+            if (!result.min_stiffness_level || *numbers.stiffness_level < *result.min_stiffness_level)
+                result.min_stiffness_level = numbers.stiffness_level;
+            if (!result.max_inertial_number || *numbers.inertial_number > *result.max_inertial_number)
+                result.max_inertial_number = numbers.inertial_number;
         }
         result.phases.push_back(numbers);
     }
@@ -130,4 +132,4 @@ std::optional<Density> deformed_density(const Packing& packing) {
     return result;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

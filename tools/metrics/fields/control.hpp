@@ -9,7 +9,7 @@
 #include "tools/metrics/fields/run_frames.hpp"
 
 /// The dimensionless numbers that say in which regime a packing flows (thesis section 8.6).
-namespace tomodem {
+namespace tomodem::fields {
 
 /// k / (P d), eq. 8.15: about one over the relative overlap of the particles.
 double stiffness_level(double stiffness, double stress, double diameter);
@@ -45,9 +45,9 @@ struct ControlNumbers {
     double stress = 0.0;  ///< P = |true stress| [Pa]
     double rate = 0.0;    ///< |strain rate| [1/s]
     std::vector<OfPhase> phases;
-    std::optional<double> least_stiffness_level, greatest_inertial_number;  ///< over the phases
-    std::optional<double> kinetic_number;                                   ///< Q
-    std::optional<double> kinetic_over_elastic;                             ///< E_k / E_p
+    std::optional<double> min_stiffness_level, max_inertial_number;  ///< over the phases
+    std::optional<double> kinetic_number;                            ///< Q
+    std::optional<double> kinetic_over_elastic;                      ///< E_k / E_p
 };
 
 /// The curves that the numbers are made of; energies are those of all particles [nJ].
@@ -55,8 +55,8 @@ struct ControlCurves {
     /// @throws InvalidInput naming the curve that the run lacks
     ControlCurves(const std::filesystem::path& run, double averaging_strain);
 
-    StrainCurves points;       ///< averaged over strain; time and strain of each point as they were
-    std::vector<double> rate;  ///< |strain rate| over the stretch that ends at each point [1/s]
+    curves::StrainCurves points;  ///< averaged over strain; time and strain of each point as they were
+    std::vector<double> rate;     ///< |strain rate| over the stretch that ends at each point [1/s]
 
     /// Everything at a time, linear between the points.
     ControlNumbers at(double time, const std::vector<PhaseConstants>& phases, std::size_t particles,
@@ -71,11 +71,11 @@ double flow_energy(const std::vector<Vec3>& positions, const std::vector<std::in
 /// Volume of the spheres over that of the matter they make up.
 struct Density {
     double density = 0.0;  ///< D [-]
-    double volume = 0.0;   ///< mm^3, of the parts that it was told from: corrected alpha shape, docs/measures.md
+    double volume = 0.0;   ///< mm^3, of the parts that were measured: corrected alpha shape, docs/measures.md
 };
 
-/// None where nowhere enough particles lie inside the matter to tell their volume.
+/// None where too few particles lie inside the matter to measure their volume.
 /// @throws InvalidInput as alpha_surface
 std::optional<Density> deformed_density(const Packing& packing);
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

@@ -4,7 +4,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tomodem {
+namespace tomodem::fields {
 
 void require_smaller_than_sample(double radius, const Packing& packing) {
     Vec3 low = packing.position.front(), high = low;
@@ -20,4 +20,4 @@ void require_smaller_than_sample(double radius, const Packing& packing) {
             radius, extent));
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

@@ -3,7 +3,7 @@
 
 #include "core/packing/packing.hpp"
 
-namespace tomodem {
+namespace tomodem::fields {
 
 /// Neighbourhood of the local fields where none is given: three seed radii, up to the second neighbours.
 inline double default_field_radius(double seed_radius) {
@@ -14,4 +14,4 @@ inline double default_field_radius(double seed_radius) {
 /// others
 void require_smaller_than_sample(double radius, const Packing& packing);
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

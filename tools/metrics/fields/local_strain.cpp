@@ -9,6 +9,7 @@
 #include "core/base/error.hpp"
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "tools/metrics/fields/field_radius.hpp"
 #include "tools/metrics/fields/local_strain_fit.hpp"
 #include "tools/metrics/fields/run_frames.hpp"
@@ -16,6 +17,7 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::fields;
 
 struct Request {
     std::filesystem::path run, fields, table;
@@ -25,18 +27,23 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage{"local_strain",
-                      "Local strain of a run: of each particle's neighbours since a reference, and what is not affine."}
-        .input("RUN", request.run, "run (.h5)")
-        .output("FIELDS", request.fields, "strain of each particle, to write (.h5, and .xdmf for ParaView)")
+    return cli::Usage{
+        "local_strain",
+        "Local strain of each particle, from the motion of its neighbours since a reference frame, and its "
+        "non-affine part."}
+        .input("RUN", request.run, "Run (.h5) to measure.")
+        .output("FIELDS", request.fields, "Strain of each particle, to write; beside it a .xdmf for ParaView.", {".h5"})
         .option("--radius", request.radius, cli::Unit::length, cli::positive,
-                "neighbours are those within this distance in the reference; three seed radii where not given")
+                "Take as neighbours the particles within this distance in the reference; the default is three seed "
+                "radii.")
         .option("--reference", request.reference,
-                "frame that the strain is measured from, from 0, or previous: the frame before each")
-        .flag("--within-phase", request.within_phase, "neighbours of the particle's own phase only")
-        .option("--frames", request.frames, "frames to take: all, first, last or a number from 0")
+                "Measure the strain from this frame, counted from 0; previous measures each from the frame before it.")
+        .flag("--within-phase", request.within_phase, "Take only neighbours of the particle's own phase.")
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .output_option("--table", request.table,
-                       "also write means over all particles and over each phase, rows for each frame (.csv)")
+                       "Also write the means over all particles and over each phase, with rows for each frame.",
+                       {".csv"})
+        .step(cli::Step::measure)
         .threads()
         .example("local_strain run.h5 strain.h5 --table strain.csv")
         .example("local_strain run.h5 increments.h5 --reference previous");
@@ -62,7 +69,8 @@ std::vector<double> flattened(const std::vector<Symmetric>& tensors) {
 }
 
 void run(const Request& request, cli::Tool& tool) {
-    const RunFrames frames(request.run, request.frames);
+    const RunFrames frames(request.run);
+    const std::vector<std::size_t> chosen = cli::chosen_frames(request.frames, frames.run().frame_count());
     const RunReader& run = frames.run();
     const Packing& packing = frames.packing();
     if (run.frame_count() < 2)
@@ -76,7 +84,7 @@ void run(const Request& request, cli::Tool& tool) {
         request.within_phase ? std::span<const std::int32_t>(packing.species) : std::span<const std::int32_t>();
 
     const std::vector<std::pair<std::string, double>> attributes{{"neighbourhood_radius", radius}};
-    FieldWriter writer(run, frames.chosen(),
+    FieldWriter writer(run, chosen,
                        {{"strain", "", 6, attributes},
                         {"strain_linear", "", 6, attributes},
                         {"strain_equivalent", "", 1, attributes},
@@ -91,9 +99,9 @@ void run(const Request& request, cli::Tool& tool) {
     std::vector<Vec3> reference;
     std::size_t reference_at = run.frame_count();  // none read yet
     LocalStrain strain;
-    const auto progress = tool.progress("frames", double(frames.chosen().size()));
-    for (std::size_t done = 0; done < frames.chosen().size(); ++done) {
-        const std::size_t index = frames.chosen()[done];
+    const auto progress = tool.progress("frames", double(chosen.size()));
+    for (std::size_t done = 0; done < chosen.size(); ++done) {
+        const std::size_t index = chosen[done];
         const std::size_t from = fixed.value_or(index > 0 ? index - 1 : 0);
         if (from != reference_at) reference = run.frame(from).position;
         reference_at = from;
@@ -102,8 +110,8 @@ void run(const Request& request, cli::Tool& tool) {
                               tool.threads());
         if (strain.degenerate == std::int64_t(packing.size()))
             throw InvalidInput(fmt::format(
-                "no particle of frame {} has a neighbourhood that a strain can be told from (4 neighbours, not in one "
-                "plane) within --radius {:g} mm: take a larger one",
+                "no particle of frame {} has the neighbours that a strain needs (4, not in one plane) within --radius "
+                "{:g} mm: take a larger one",
                 from, radius));
         const std::vector<double> tensor = flattened(strain.logarithmic);
         const auto add = [&](std::optional<std::int32_t> label) {
@@ -116,8 +124,8 @@ void run(const Request& request, cli::Tool& tool) {
                                            std::int64_t(particles) - equivalent.count};
             for (std::size_t k = 0; k < 6; ++k)
                 cells.push_back(number(summary({tensor, 6, k}, packing.species, label).mean));
-            for (const double value : {equivalent.mean, equivalent.deviation, equivalent.most, volumetric.mean,
-                                       volumetric.deviation, non_affine.mean, non_affine.most})
+            for (const double value : {equivalent.mean, equivalent.deviation, equivalent.max, volumetric.mean,
+                                       volumetric.deviation, non_affine.mean, non_affine.max})
                 cells.push_back(number(value));
             table.add(frames.row(index, cells));
         };
@@ -131,7 +139,7 @@ void run(const Request& request, cli::Tool& tool) {
     writer.commit();
     if (!request.table.empty()) table.write(request.table);
 
-    tool.report("frames", std::int64_t(frames.chosen().size()));
+    tool.report("frames", std::int64_t(chosen.size()));
     tool.report("particles", std::int64_t(packing.size()));
     tool.report("radius", radius, "mm");
     tool.report("without_strain_last", strain.degenerate);

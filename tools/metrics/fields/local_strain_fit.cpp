@@ -9,11 +9,11 @@
 #include "core/base/blocks.hpp"
 #include "core/packing/cell_grid.hpp"
 
-namespace tomodem {
+namespace tomodem::fields {
 namespace {
 
-constexpr int least_neighbours = 4;
-constexpr double flatness = 0.01;  // least over largest eigenvalue of Y
+constexpr int min_neighbours = 4;
+constexpr double flatness = 0.01;  // smallest over largest eigenvalue of Y
 
 Symmetric components(const Eigen::Matrix3d& m) {
     return {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)};
@@ -66,7 +66,7 @@ LocalStrain local_strain(std::span<const Vec3> reference, const Box& reference_b
                 squares += now.squaredNorm();
                 ++neighbours;
             });
-            if (neighbours < least_neighbours || flat(Y)) {
+            if (neighbours < min_neighbours || flat(Y)) {
                 ++degenerate[block];
                 continue;
             }
@@ -93,4 +93,4 @@ LocalStrain local_strain(std::span<const Vec3> reference, const Box& reference_b
     return result;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

@@ -9,7 +9,7 @@
 #include "core/packing/packing.hpp"
 #include "tools/metrics/fields/space_average.hpp"
 
-namespace tomodem {
+namespace tomodem::fields {
 
 /// How the neighbourhood of each particle deformed since a reference, and what in it no uniform deformation explains.
 ///
@@ -28,7 +28,7 @@ struct LocalStrain {
 /// uniform deformation that comes nearest to what the neighbours did.
 ///
 /// A uniform deformation, rotation included, is found exactly, and has no non-affine part. A neighbourhood is
-/// degenerate with fewer than 4 neighbours, where it is flat (the least eigenvalue of Y below a hundredth of the
+/// degenerate with fewer than 4 neighbours, where it is flat (the smallest eigenvalue of Y below a hundredth of the
 /// largest), or turned inside out (det F <= 0).
 ///
 /// @param reference, reference_box  points of the reference and their box; a neighbour may be a periodic image, which
@@ -42,4 +42,4 @@ LocalStrain local_strain(std::span<const Vec3> reference, const Box& reference_b
                          const Box& present_box, double radius, double length,
                          std::span<const std::int32_t> species = {}, int threads = 1);
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

@@ -11,6 +11,7 @@
 #include "core/base/error.hpp"
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "tools/metrics/fields/field_radius.hpp"
 #include "tools/metrics/fields/run_frames.hpp"
 #include "tools/metrics/fields/space_average.hpp"
@@ -18,6 +19,7 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::fields;
 
 struct Request {
     std::filesystem::path run, fields, table;
@@ -27,19 +29,22 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage{"local_stress",
-                      "Local stress of a run: averaged in space, its equivalent stress with sign, pressure."}
-        .input("RUN", request.run, "run whose scene says [output] stress = true (.h5)")
-        .output("FIELDS", request.fields, "stress of each particle, to write (.h5, and .xdmf for ParaView)")
+    return cli::Usage{
+        "local_stress",
+        "Local stress of each particle, averaged in space, with its signed equivalent stress and pressure."}
+        .input("RUN", request.run, "Run (.h5) whose scene says stress = true under [output].")
+        .output("FIELDS", request.fields, "Stress of each particle, to write; beside it a .xdmf for ParaView.", {".h5"})
         .option("--radius", request.radius, cli::Unit::length, cli::positive,
-                "how far the average reaches; three seed radii where not given")
+                "Average over the particles within this distance; the default is three seed radii.")
         .choice("--kernel", request.kernel, {"ball", "gaussian"},
-                "all particles within the radius alike, or a Gaussian of the same width (standard deviation along an "
-                "axis radius / sqrt 5, cut off at 1.5 radii)")
-        .flag("--within-phase", request.within_phase, "average each phase over its own particles only")
-        .option("--frames", request.frames, "frames to take: all, first, last or a number from 0")
+                "Weight of the particles in the average: ball counts all within the radius alike; gaussian has the "
+                "same width (standard deviation along an axis radius / sqrt 5, cut off at 1.5 radii).")
+        .flag("--within-phase", request.within_phase, "Average each phase over its own particles only.")
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .output_option("--table", request.table,
-                       "also write means over all particles and over each phase, rows for each frame (.csv)")
+                       "Also write the means over all particles and over each phase, with rows for each frame.",
+                       {".csv"})
+        .step(cli::Step::measure)
         .threads()
         .example("local_stress run.h5 stress.h5 --radius 1.5mm --table stress.csv");
 }
@@ -52,7 +57,8 @@ double macroscopic_stress(const RunReader& run, std::size_t index) {
 }
 
 void run(const Request& request, cli::Tool& tool) {
-    const RunFrames frames(request.run, request.frames);
+    const RunFrames frames(request.run);
+    const std::vector<std::size_t> chosen = cli::chosen_frames(request.frames, frames.run().frame_count());
     const RunReader& run = frames.run();
     const Packing& packing = frames.packing();
     const auto has_stress = [](const ParticleField& field) { return field.name == "stress" && field.components == 6; };
@@ -69,7 +75,7 @@ void run(const Request& request, cli::Tool& tool) {
                                                                : std::span<const std::int32_t>()};
 
     const std::vector<std::pair<std::string, double>> attributes{{"averaging_radius", radius}};
-    FieldWriter writer(run, frames.chosen(),
+    FieldWriter writer(run, chosen,
                        {{"stress_average", "Pa", 6, attributes},
                         {"stress_equivalent", "Pa", 1, attributes},
                         {"pressure", "Pa", 1, attributes}},
@@ -81,9 +87,9 @@ void run(const Request& request, cli::Tool& tool) {
                             "stress_equivalent_max [Pa]", "stress_axial_of_particles [Pa]", "stress_true [Pa]"}));
     Summary last_equivalent, last_pressure;
     std::size_t with_stress = 0;
-    const auto progress = tool.progress("frames", double(frames.chosen().size()));
-    for (std::size_t done = 0; done < frames.chosen().size(); ++done) {
-        const std::size_t index = frames.chosen()[done];
+    const auto progress = tool.progress("frames", double(chosen.size()));
+    for (std::size_t done = 0; done < chosen.size(); ++done) {
+        const std::size_t index = chosen[done];
         const Frame frame = run.frame(index);
         const std::vector<double> stress = run.field_values("stress", index);
         const bool known = std::any_of(stress.begin(), stress.end(), [](double s) { return std::isfinite(s); });
@@ -107,7 +113,7 @@ void run(const Request& request, cli::Tool& tool) {
                 const auto axis = std::size_t(frames.axis());
                 for (const double value :
                      {summary({pressures}, packing.species, label).mean, of_equivalent.mean, of_equivalent.deviation,
-                      of_equivalent.least, of_equivalent.most, summary({stress, 6, axis}, packing.species, label).mean,
+                      of_equivalent.min, of_equivalent.max, summary({stress, 6, axis}, packing.species, label).mean,
                       label ? std::numeric_limits<double>::quiet_NaN() : macroscopic_stress(run, index)})
                     cells.push_back(number(value));
                 table.add(frames.row(index, cells));
@@ -125,7 +131,7 @@ void run(const Request& request, cli::Tool& tool) {
     writer.commit();
     if (!request.table.empty()) table.write(request.table);
 
-    tool.report("frames", std::int64_t(frames.chosen().size()));
+    tool.report("frames", std::int64_t(chosen.size()));
     tool.report("frames_with_stress", std::int64_t(with_stress));
     tool.report("particles", std::int64_t(packing.size()));
     tool.report("radius", radius, "mm");

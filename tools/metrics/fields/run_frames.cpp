@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/mesh/export_frames.hpp"
 #include "tools/metrics/curves/strain_curves.hpp"
 
-namespace tomodem {
+namespace tomodem::fields {
 
-RunFrames::RunFrames(const std::filesystem::path& file, std::string_view choice)
-    : run_(file), chosen_(chosen_frames(choice, run_.frame_count())), labels_(run_.packing().species) {
+RunFrames::RunFrames(const std::filesystem::path& file) : run_(file), labels_(run_.packing().species) {
     const std::string& scene = run_.provenance().scene;
     if (!scene.empty()) scene_ = parse_scene(scene, file.string());
     std::sort(labels_.begin(), labels_.end());
@@ -18,7 +16,7 @@ RunFrames::RunFrames(const std::filesystem::path& file, std::string_view choice)
 
 std::optional<double> RunFrames::strain(std::size_t frame) const {
     if (run_.frame_count() > 1 && !run_.observables().contains("strain")) return std::nullopt;
-    return frame_strain(run_, frame);
+    return curves::frame_strain(run_, frame);
 }
 
 Box RunFrames::box(std::size_t frame) const {
@@ -76,4 +74,4 @@ Provenance provenance_of_fields(const RunReader& run, Provenance provenance) {
     return provenance;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

@@ -3,33 +3,30 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/table.hpp"
 #include "core/packing/packing_file.hpp"
 #include "core/scene/scene.hpp"
 
-namespace tomodem {
+namespace tomodem::fields {
 
-/// The chosen frames of a run or sample, as measures of its particles need them.
+/// A run or sample and its scene, as measures of its particles need them frame by frame.
 class RunFrames {
  public:
-    /// @param choice  all, first, last or a number from 0
-    /// @throws InvalidInput if the file is no run or sample, or has no such frame; WrongUsage for another choice
-    RunFrames(const std::filesystem::path& file, std::string_view choice);
+    /// @throws InvalidInput if the file is no run or sample
+    explicit RunFrames(const std::filesystem::path& file);
 
     const RunReader& run() const { return run_; }
     const Packing& packing() const { return run_.packing(); }
-    const std::vector<std::size_t>& chosen() const { return chosen_; }
     /// The scene that the file was made with, if with any.
     const std::optional<Scene>& scene() const { return scene_; }
     /// Of the load; z where there was no scene.
     int axis() const { return scene_ ? scene_->axis : 2; }
     /// True strain at a frame, where the run has the curve; 0 of a file of one frame.
     std::optional<double> strain(std::size_t frame) const;
-    /// The box that a frame really has. The one in a run's file is that of its sample, without periodic sides: across
-    /// the load they are free, or periodic and their edges follow the section, as the scene says.
+    /// The box at a frame. The file of a run holds the box of its sample, without periodic sides; across the load the
+    /// sides are free, or periodic with edges that follow the section, as the scene says.
     Box box(std::size_t frame) const;
     /// The packing at a frame.
     Packing at(const Frame& positions, std::size_t frame) const;
@@ -38,13 +35,12 @@ class RunFrames {
     /// Name of a phase in the scene; empty where there is none.
     std::string phase_name(std::int32_t label) const;
 
-    /// What begins every row of a table: frame, time, strain and its absolute value.
+    /// The first columns of every table: frame, time, strain and its absolute value.
     static std::vector<std::string> columns(const std::vector<std::string>& more);
     std::vector<Table::Cell> row(std::size_t frame, const std::vector<Table::Cell>& more) const;
 
  private:
     RunReader run_;
-    std::vector<std::size_t> chosen_;
     std::optional<Scene> scene_;
     std::vector<std::int32_t> labels_;
 };
@@ -55,4 +51,4 @@ Table::Cell label_cell(std::optional<std::int32_t> label);
 /// Provenance of a field file: that of the running tool, with the scene of the run.
 Provenance provenance_of_fields(const RunReader& run, Provenance provenance);
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

@@ -6,7 +6,7 @@
 #include "core/base/blocks.hpp"
 #include "core/packing/cell_grid.hpp"
 
-namespace tomodem {
+namespace tomodem::fields {
 namespace {
 
 constexpr double gaussian_reach = 1.5;  // radii; 3.35 standard deviations
@@ -71,4 +71,4 @@ double pressure(std::span<const double, 6> s) {
     return -(s[0] + s[1] + s[2]) / 3.0;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

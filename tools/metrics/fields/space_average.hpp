@@ -6,7 +6,7 @@
 
 #include "core/packing/packing.hpp"
 
-namespace tomodem {
+namespace tomodem::fields {
 
 /// How neighbours count in an average over space: all alike within a radius, or less with distance.
 enum class Kernel { ball, gaussian };
@@ -40,4 +40,4 @@ double signed_equivalent(std::span<const double, 6> stress);
 /// Minus a third of the trace: positive in compression.
 double pressure(std::span<const double, 6> stress);
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

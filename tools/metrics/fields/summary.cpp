@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tomodem {
+namespace tomodem::fields {
 
 Summary summary(const Component& field, std::span<const std::int32_t> species, std::optional<std::int32_t> label) {
     const auto for_each = [&](const auto& visit) {
@@ -13,16 +13,16 @@ Summary summary(const Component& field, std::span<const std::int32_t> species, s
         }
     };
     Summary result;
-    double sum = 0.0, least = std::numeric_limits<double>::infinity(), most = -least;
+    double sum = 0.0, min = std::numeric_limits<double>::infinity(), max = -min;
     for_each([&](double value) {
         ++result.count;
         sum += value;
-        least = std::min(least, value);
-        most = std::max(most, value);
+        min = std::min(min, value);
+        max = std::max(max, value);
     });
     if (result.count == 0) return result;
-    result.least = least;
-    result.most = most;
+    result.min = min;
+    result.max = max;
     result.mean = sum / double(result.count);
     double squares = 0.0;
     for_each([&](double value) { squares += (value - result.mean) * (value - result.mean); });
@@ -30,4 +30,4 @@ Summary summary(const Component& field, std::span<const std::int32_t> species, s
     return result;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

@@ -4,12 +4,12 @@
 #include <optional>
 #include <span>
 
-namespace tomodem {
+namespace tomodem::fields {
 
 /// Mean, spread and range of the finite values of a selection; not numbers where there is none.
 struct Summary {
     std::int64_t count = 0;
-    double mean = std::numeric_limits<double>::quiet_NaN(), deviation = mean, least = mean, most = mean;
+    double mean = std::numeric_limits<double>::quiet_NaN(), deviation = mean, min = mean, max = mean;
 };
 
 /// One component of a field: values k of row i at i * components + component, a row a particle.
@@ -22,4 +22,4 @@ struct Component {
 /// @param label    only particles of this one, or all
 Summary summary(const Component& field, std::span<const std::int32_t> species, std::optional<std::int32_t> label = {});
 
-}  // namespace tomodem
+}  // namespace tomodem::fields

@@ -6,7 +6,7 @@
 #include <queue>
 #include <tuple>
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 /// A right that a left can have, and what it costs; the last one of each left costs nothing: to stay alone.
@@ -15,7 +15,7 @@ struct Edge {
     double cost;
 };
 
-/// Rights of the lefts so that the sum of the costs is least: each left in turn takes the cheapest way of exchanges
+/// Rights of the lefts so that the sum of the costs is smallest: each left in turn takes the cheapest way of exchanges
 /// that ends at a right that nobody has. Prices keep the costs on the way from being negative.
 std::vector<std::size_t> cheapest_rights(const std::vector<std::vector<Edge>>& edges, std::size_t rights) {
     constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
@@ -109,4 +109,4 @@ std::vector<std::pair<std::int32_t, std::int32_t>> best_pairs(std::vector<Candid
     return pairs;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -11,7 +11,7 @@
 #include "core/base/error.hpp"
 #include "tools/metrics/shapes/assignment.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 /// Calls visit(offset, count, voxels...) for slabs of volumes of one size.
@@ -198,4 +198,4 @@ void require_same_place(const LabelVolume& image, const Packing& packing) {
             image_low.x(), image_low.y(), image_low.z(), low.x(), low.y(), low.z()));
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

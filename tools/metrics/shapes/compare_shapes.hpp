@@ -11,10 +11,10 @@
 #include "tools/metrics/shapes/object_volumes.hpp"
 
 /// A frame of a run beside the tomography of the same strain.
-namespace tomodem {
+namespace tomodem::shapes {
 
-/// One object of a run, as object_shapes measures it; or one of its pores, as image_shapes does in the voxels of the
-/// run.
+/// One object of a run, measured as by object_shapes; or one of its pores, measured as by image_shapes in the voxels of
+/// the run.
 struct RunBody {
     std::int32_t number = 0, species = 0;
     std::int64_t particles = 0;
@@ -31,7 +31,7 @@ std::vector<RunBody> bodies_of_pores(const VoidParts& parts);
 enum class MatchedBy { overlap, centre, run_only, image_only };
 const char* name_of(MatchedBy matched);
 
-/// Two objects taken for the same, or one that has no other.
+/// An object of the run and the object of the image that it is, or an object without a partner.
 struct Match {
     MatchedBy by = MatchedBy::overlap;
     const RunBody* run = nullptr;      ///< none for image_only
@@ -79,4 +79,4 @@ Vec3 centre_of_matter(const LabelVolume& image);
 ///         four, or the two overlap by less than half of the smaller one
 void require_same_place(const LabelVolume& image, const Packing& packing);
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -13,18 +13,20 @@
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
 #include "core/cli/volume_cli.hpp"
+#include "core/volume/regions.hpp"
 #include "tools/metrics/curves/strain_curves.hpp"
 #include "tools/metrics/shapes/compare_shapes.hpp"
 #include "tools/metrics/shapes/voxelised_run.hpp"
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::curves;
+using namespace tomodem::shapes;
 
 struct Request {
     std::filesystem::path run, table;
     VolumeRequest volume;
-    ObjectLabels objects;
-    std::string connectivity = "6", align = "none";
+    std::string objects, label_objects, connectivity = "6", align = "none";
     std::int64_t frame = -1, min_particles = 20, min_voxels = 27;
     bool exclude_boundary = false, pores = false;
 };
@@ -33,31 +35,51 @@ cli::Usage usage(Request& request) {
     cli::Usage usage("compare_shapes",
                      "Compare a frame of a run with a tomography of the same strain: matched objects, their shapes, "
                      "the overlap of phases, pores.");
-    usage.input("RUN", request.run, "run or sample (.h5); its objects are told apart unless --pores");
+    usage.input("RUN", request.run,
+                "Run or sample (.h5); without --pores, its particles carry the number of their object.");
     add_volume(usage, request.volume)
-        .output("TABLE", request.table, "one row for each pair of objects and each object left over, to write (.csv)")
-        .option("--frame", request.frame, cli::Unit::none, {.low = -1}, "frame of the run, from 0; -1 is the last")
-        .option("--objects", request.objects.components,
-                "labels of the image of which each connected component is an object, as 2,3; or all")
-        .option("--label-objects", request.objects.labels,
-                "labels of the image that are one object each, and their label in the run, as 2:500=1 (watershed)")
+        .output("TABLE", request.table,
+                "Table to write, with one row for each pair of objects and each object without a partner.", {".csv"})
+        .option("--frame", request.frame, cli::Unit::none, {.low = -1},
+                "Compare this frame of the run, counted from 0; -1 is the last.")
+        .option(
+            "--objects", request.objects,
+            "Take each connected component of these labels of the image as an object, as 2,3; all takes every label "
+            "but 0.")
+        .option(
+            "--label-objects", request.label_objects,
+            "Take each of these labels of the image as one object (watershed); 2:500=1 takes the labels 2 to 500 as "
+            "objects of label 1 in the run.")
         .flag("--pores", request.pores,
-              "the closed pores of both instead: connected components of void that reach no face of the image")
+              "Compare the closed pores instead: connected components of the void that reach no face of the image.")
         .exclusive({"--objects", "--pores"})
         .exclusive({"--label-objects", "--pores"})
         .choice("--connectivity", request.connectivity, {"6", "18", "26"},
-                "neighbours of a voxel: by faces, by edges too, by corners too")
+                "Connect a voxel with its neighbours across faces (6), also across edges (18), also across corners "
+                "(26).")
         .choice("--align", request.align, {"none", "centre"},
-                "move the run so that the mean of its particles is at the centre of the image's matter")
+                "Place of the run in the image: none leaves it where it is; centre moves the mean of its particles to "
+                "the centre of the image's matter.")
         .option("--min-particles", request.min_particles, cli::Unit::particles, {.low = 4},
-                "objects of the run with fewer are left out")
+                "Leave out objects of the run with fewer particles.")
         .option("--min-voxels", request.min_voxels, cli::Unit::voxels, cli::positive,
-                "objects of the image, or pores, with fewer are left out")
+                "Leave out objects of the image, and pores, with fewer voxels.")
         .flag("--exclude-boundary", request.exclude_boundary,
-              "leave out objects at a face: of the image, or within a particle diameter of the sample's outer box")
+              "Leave out objects that touch a face of the image, or lie within one particle diameter of the sample's "
+              "outer box.")
+        .step(cli::Step::measure)
         .example("compare_shapes run.h5 scan_07.tif compared.csv --frame 12 --objects 2 --align centre")
         .example("compare_shapes run.h5 scan_07.tif pores.csv --frame 12 --pores");
     return usage;
+}
+
+ObjectLabels parse_objects(const Request& request) {
+    ObjectLabels objects{.all_components = request.objects == "all",
+                         .connectivity = connectivity_of(request.connectivity)};
+    if (!objects.all_components && !request.objects.empty())
+        objects.components = parse_labels("--objects", request.objects);
+    if (!request.label_objects.empty()) objects.labels = parse_label_objects("--label-objects", request.label_objects);
+    return objects;
 }
 
 /// Of a pair, run against image.
@@ -204,7 +226,7 @@ void report_matches(const std::vector<Match>& matches, cli::Tool& tool) {
     tool.report("objects_run_only", run_only);
     tool.report("objects_image_only", image_only);
     if (matched == 0) {
-        tool.warn("nothing of the run has its like in the image");
+        tool.warn("no object of the run has a partner in the image");
         return;
     }
     const double n = double(matched);
@@ -236,12 +258,13 @@ void report_phases(const Comparison& comparison, cli::Tool& tool) {
 }
 
 void run(const Request& request, cli::Tool& tool) {
-    if (!request.pores && request.objects.components.empty() && request.objects.labels.empty())
+    if (!request.pores && request.objects.empty() && request.label_objects.empty())
         throw WrongUsage("say what to compare: --objects or --label-objects of the image, or --pores");
     if (request.pores && request.exclude_boundary)
         throw WrongUsage("--exclude-boundary belongs to objects: a pore at a face of the image is not closed");
     if (request.pores && tool.given("--min-particles"))
         throw WrongUsage("--min-particles belongs to objects; pores are chosen by --min-voxels");
+    const ObjectLabels labels = parse_objects(request);
     const RunReader reader(request.run);
     const auto last = std::int64_t(reader.frame_count()) - 1;
     const std::int64_t frame = request.frame < 0 ? last : request.frame;
@@ -259,8 +282,6 @@ void run(const Request& request, cli::Tool& tool) {
     packing.position = reader.frame(std::size_t(frame)).position;
 
     LabelVolume image = read_volume(request.volume, volume_options(request.volume), tool);
-    ObjectLabels labels = request.objects;
-    labels.connectivity = connectivity_of(request.connectivity);
     Vec3 shift = Vec3::Zero();
     if (request.align == "centre") {
         std::vector<std::size_t> all(packing.size());

@@ -6,9 +6,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
-namespace tomodem {
+namespace tomodem::shapes {
 
 Vec3 mean_of(std::span<const Vec3> centres, std::span<const std::size_t> members) {
     Vec3 mean = Vec3::Zero();
@@ -108,12 +109,8 @@ void append_cells(const Shape& shape, std::vector<Table::Cell>& row) {
     for_each_number(shape, [&](const std::string&, const char*, double value) { row.emplace_back(value); });
 }
 
-std::string shape_json(const Shape& shape) {
-    std::string text;
-    for_each_number(shape, [&](const std::string& name, const char*, double value) {
-        text += fmt::format(R"({}"{}":{})", text.empty() ? "" : ",", name, value);
-    });
-    return text;
+void append_json(const Shape& shape, nlohmann::ordered_json& object) {
+    for_each_number(shape, [&](const std::string& name, const char*, double value) { object[name] = value; });
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -8,8 +9,8 @@
 #include "core/base/table.hpp"
 #include "core/packing/packing.hpp"
 
-/// The ellipsoid of inertia: what a shape is to the tools that measure objects, in a run and in an image.
-namespace tomodem {
+/// The ellipsoid of inertia: the shape of an object, in a run and in an image.
+namespace tomodem::shapes {
 
 using Mat3 = Eigen::Matrix3d;
 
@@ -33,7 +34,7 @@ double shape_factor(const Mat3& second_moments, int axis = 2);
 struct Ellipsoid {
     std::array<double, 3> semi_axis{};  ///< a >= b >= c [mm]
     std::array<Vec3, 3> direction{};  ///< of unit length; the largest component is positive, unless they follow others
-    /// Which axis of the first ellipsoid of a series (0, 1, 2 for a, b, c) each of these goes on from.
+    /// The axis of the first ellipsoid of a series (0, 1, 2 for a, b, c) that each of these continues.
     std::array<int, 3> follows{0, 1, 2};
 };
 Ellipsoid ellipsoid_of(const Mat3& second_moments);
@@ -41,14 +42,14 @@ Ellipsoid ellipsoid_of(const Mat3& second_moments);
 /// H / D in the ellipsoid's own axes: the one that is nearest to the load over the mean of the others.
 double own_shape_factor(const Ellipsoid& ellipsoid, int axis = 2);
 
-/// Gives the axes the signs of those before that they go on from, which are told by their directions: lengths may pass
-/// each other.
+/// Gives the axes the signs of the axes of the frame before that they continue. Directions decide which these are, as
+/// lengths may change their order.
 void follow(Ellipsoid& ellipsoid, const Ellipsoid& before);
 
 /// Angle between two axes, which have no sign [degrees, 0 to 90].
 double axis_angle(const Vec3& direction, const Vec3& other);
 
-/// What every table of shapes says of a body: centre, volume, ellipsoid, shape factors.
+/// Measures of a body in every table of shapes: centre, volume, ellipsoid, shape factors.
 struct Shape {
     Vec3 centre = Vec3::Zero();  ///< mm
     double volume = 0.0;         ///< mm^3
@@ -60,7 +61,7 @@ Shape shape_of(const Vec3& centre, double volume, const Mat3& second_moments, in
 /// The columns of a Shape and its cells, in the same order.
 std::vector<std::string> shape_columns();
 void append_cells(const Shape& shape, std::vector<Table::Cell>& row);
-/// The same as an object of JSON, without its braces.
-std::string shape_json(const Shape& shape);
+/// Adds the same numbers to an object of JSON.
+void append_json(const Shape& shape, nlohmann::ordered_json& object);
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -10,10 +10,8 @@
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
-#include "core/cli/volume_cli.hpp"
-#include "core/volume/regions.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 /// Where a number is in a sorted list.
@@ -221,14 +219,11 @@ ImageObjects image_objects(LabelVolume& volume, const ObjectLabels& wanted, cons
     const auto histogram = volume.histogram();
     if (histogram.size() == 1 && histogram.begin()->first == 0)
         throw InvalidInput("the image has no objects: all of it is void (label 0)");
-    const auto label_objects =
-        wanted.labels.empty() ? std::vector<LabelObjects>{} : parse_label_objects("--label-objects", wanted.labels);
-    std::vector<std::int32_t> labels;
-    if (wanted.components == "all") {
+    std::vector<std::int32_t> labels = wanted.components;
+    if (wanted.all_components) {
+        labels.clear();
         for (const auto& [label, voxels] : histogram)
             if (label != 0) labels.push_back(label);
-    } else if (!wanted.components.empty()) {
-        labels = parse_labels("--objects", wanted.components);
     }
     for (const std::int32_t label : labels)
         if (!histogram.contains(label)) {
@@ -239,8 +234,8 @@ ImageObjects image_objects(LabelVolume& volume, const ObjectLabels& wanted, cons
                                            fmt::join(there, ", "), histogram.size() > 16 ? " ..." : ""));
         }
     std::optional<Regions> regions =
-        distinguish_regions(volume, labels, label_objects, wanted.connectivity, Regions::Of::objects);
-    if (!regions) throw InvalidInput("no label of the image is told to be objects");
+        distinguish_regions(volume, labels, wanted.labels, wanted.connectivity, Regions::Of::objects);
+    if (!regions) throw InvalidInput("no label of the image was given as that of objects");
 
     // As vol2pack: labels that are objects keep their number, components are counted from the largest of those.
     Components& components = regions->components;
@@ -317,8 +312,4 @@ VoidParts void_parts(const LabelVolume& volume, Connectivity connectivity, const
     return result;
 }
 
-Connectivity connectivity_of(const std::string& neighbours) {
-    return neighbours == "6" ? Connectivity::faces : neighbours == "18" ? Connectivity::edges : Connectivity::corners;
-}
-
-}  // namespace tomodem
+}  // namespace tomodem::shapes

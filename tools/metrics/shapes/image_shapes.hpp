@@ -2,16 +2,16 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
+#include "core/volume/regions.hpp"
 #include "core/volume/volume.hpp"
 #include "tools/metrics/shapes/ellipsoid.hpp"
 
 /// Shapes of the objects and pores of a label image: the same measures as those of a run.
-namespace tomodem {
+namespace tomodem::shapes {
 
-/// What is needed of the voxels of one number, in whole numbers: any order of the voxels gives the same.
+/// Sums over the voxels of one number, as integers, so that they do not depend on the order of the voxels.
 struct VoxelSums {
     std::int64_t voxels = 0;
     std::array<std::int64_t, 3> sum{};      ///< of i, j, k
@@ -35,7 +35,7 @@ inline constexpr std::array<VoxelIndex, 13> pair_steps{
 /// @note   one pass; a slab, and the sums for each thread beside the volume
 std::vector<VoxelSums> voxel_sums(const LabelVolume& volume, std::span<const std::int32_t> numbers);
 
-/// Share of the sphere that is nearest to each of the 13 directions.
+/// Share of the sphere of directions that is nearest to each of the 13 directions.
 std::array<double, 13> crofton_weights(const Vec3& spacing);
 
 /// Surface [mm^2] by Crofton's formula: 2 sum over the 13 directions of weight * crossings * area of a line.
@@ -57,14 +57,15 @@ struct ImageBody {
     std::int64_t voxels = 0;
     bool at_boundary = false;  ///< touches a face of the image
     Shape shape;
-    double area = 0.0;        ///< mm^2; of what lies at a face of the image nothing
+    double area = 0.0;        ///< mm^2, without what lies on a face of the image
     double sphericity = 0.0;  ///< not a number without a surface
 };
 
-/// What is told apart in an image.
+/// The objects of an image.
 struct ObjectLabels {
-    std::string components;  ///< labels of which each connected component is an object ("2,3", "all")
-    std::string labels;      ///< labels that are one object each, and their label in the sample ("2:500=1")
+    bool all_components = false;           ///< each connected component of any label but 0 is an object
+    std::vector<std::int32_t> components;  ///< else: labels of which each connected component is an object
+    std::vector<LabelObjects> labels;      ///< labels that are one object each, and their label in the sample
     Connectivity connectivity = Connectivity::faces;
 };
 
@@ -83,7 +84,7 @@ struct BodyChoice {
 };
 
 /// @param volume  labels of objects become those of the sample
-/// @throws WrongUsage as parse_labels; InvalidInput if the image has no such label, or no object is left
+/// @throws InvalidInput if the image has no such label, or no object is left
 ImageObjects image_objects(LabelVolume& volume, const ObjectLabels& labels, const BodyChoice& choice);
 
 struct VoidParts {
@@ -101,7 +102,4 @@ struct VoidParts {
 /// @throws InvalidInput if all is void
 VoidParts void_parts(const LabelVolume& volume, Connectivity connectivity, const BodyChoice& choice);
 
-/// "6" -> faces, "18" -> edges, "26" -> corners.
-Connectivity connectivity_of(const std::string& neighbours);
-
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -10,16 +10,18 @@
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
 #include "core/cli/volume_cli.hpp"
+#include "core/volume/regions.hpp"
 #include "tools/metrics/shapes/image_shapes.hpp"
 #include "tools/metrics/shapes/object_shapes.hpp"
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::shapes;
 
 struct Request {
     VolumeRequest volume;
     std::filesystem::path table;
-    ObjectLabels objects;
+    std::string objects, label_objects;
     bool pores = false;
     std::string connectivity = "6", axis = "z";
     std::int64_t min_voxels = 27;
@@ -31,24 +33,37 @@ cli::Usage usage(Request& request) {
                      "Centre, volume, ellipsoid of inertia, shape factor and surface of the objects or pores of a "
                      "segmented tomography.");
     add_volume(usage, request.volume)
-        .output("TABLE", request.table, "one row for each object or pore, to write (.csv)")
-        .option("--objects", request.objects.components,
-                "labels of which each connected component is an object, as 2,3; or all")
-        .option("--label-objects", request.objects.labels,
-                "labels of the image that are one object each, and their label in the sample, as 2:500=1 (watershed)")
+        .output("TABLE", request.table, "Table to write, with one row for each object or pore.", {".csv"})
+        .option("--objects", request.objects,
+                "Measure each connected component of these labels as an object, as 2,3; all takes every label but 0.")
+        .option(
+            "--label-objects", request.label_objects,
+            "Measure each of these labels as one object (watershed); 2:500=1 takes the labels 2 to 500 as objects of "
+            "label 1 in the sample.")
         .flag("--pores", request.pores,
-              "the closed pores: connected components of void that reach no face of the image")
+              "Measure the closed pores: connected components of the void that reach no face of the image.")
         .exclusive({"--objects", "--pores"})
         .exclusive({"--label-objects", "--pores"})
         .choice("--connectivity", request.connectivity, {"6", "18", "26"},
-                "neighbours of a voxel: by faces, by edges too, by corners too")
-        .choice("--axis", request.axis, {"x", "y", "z"}, "along which the height of the shape factor is taken")
+                "Connect a voxel with its neighbours across faces (6), also across edges (18), also across corners "
+                "(26).")
+        .choice("--axis", request.axis, {"x", "y", "z"}, "Take the height H of the shape factor H / D along this axis.")
         .option("--min-voxels", request.min_voxels, cli::Unit::voxels, cli::positive,
-                "objects and pores with fewer are left out")
-        .flag("--exclude-boundary", request.exclude_boundary, "leave out objects that touch a face of the image")
+                "Leave out objects and pores with fewer voxels.")
+        .flag("--exclude-boundary", request.exclude_boundary, "Leave out objects that touch a face of the image.")
+        .step(cli::Step::measure)
         .example("image_shapes stack/ nodules.csv --voxel-size 3um --objects 1 --connectivity 26")
         .example("image_shapes pores.tif pores.csv --pores --json pores.json");
     return usage;
+}
+
+ObjectLabels parse_objects(const Request& request) {
+    ObjectLabels objects{.all_components = request.objects == "all",
+                         .connectivity = connectivity_of(request.connectivity)};
+    if (!objects.all_components && !request.objects.empty())
+        objects.components = parse_labels("--objects", request.objects);
+    if (!request.label_objects.empty()) objects.labels = parse_label_objects("--label-objects", request.label_objects);
+    return objects;
 }
 
 void write_table(const std::vector<ImageBody>& bodies, const std::filesystem::path& path) {
@@ -72,32 +87,35 @@ void write_table(const std::vector<ImageBody>& bodies, const std::filesystem::pa
 }
 
 void report_bodies(const std::vector<ImageBody>& bodies, cli::Tool& tool) {
-    std::string json;
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     std::vector<double> factors, volumes;
     double volume = 0.0;
     for (const ImageBody& body : bodies) {
-        const std::string sphericity = body.area > 0.0 ? fmt::format("{}", body.sphericity) : "null";
-        json += fmt::format(R"({}{{"object":{},"label":{},"voxels":{},"at_boundary":{},{},"area":{},"sphericity":{}}})",
-                            json.empty() ? "" : ",", body.number, body.label, body.voxels, body.at_boundary,
-                            shape_json(body.shape), body.area, sphericity);
+        nlohmann::ordered_json& row = rows.emplace_back();
+        row = {
+            {"object", body.number}, {"label", body.label}, {"voxels", body.voxels}, {"at_boundary", body.at_boundary}};
+        append_json(body.shape, row);
+        row["area"] = body.area;
+        row["sphericity"] = body.area > 0.0 ? nlohmann::ordered_json(body.sphericity) : nullptr;
         volume += body.shape.volume;
         factors.push_back(body.shape.shape_factor);
         volumes.push_back(body.shape.volume);
     }
     tool.report("volume", volume, "mm^3");
     if (!bodies.empty()) tool.report("shape_factor_weighted", weighted_spread(factors, volumes).mean);
-    tool.report_json("shapes", nlohmann::ordered_json::parse("[" + json + "]"));
+    tool.report_json("shapes", rows);
 }
 
 void run(const Request& request, cli::Tool& tool) {
-    if (!request.pores && request.objects.components.empty() && request.objects.labels.empty())
+    if (!request.pores && request.objects.empty() && request.label_objects.empty())
         throw WrongUsage("say what to measure: --objects, --label-objects or --pores");
     if (request.pores && request.exclude_boundary)
         throw WrongUsage("--exclude-boundary belongs to objects: a pore at a face of the image is not closed");
+    const ObjectLabels objects = parse_objects(request);
     LabelVolume volume = read_volume(request.volume, volume_options(request.volume), tool);
     const BodyChoice choice{request.min_voxels, request.exclude_boundary, int(request.axis[0] - 'x')};
     if (request.pores) {
-        const VoidParts parts = void_parts(volume, connectivity_of(request.connectivity), choice);
+        const VoidParts parts = void_parts(volume, objects.connectivity, choice);
         write_table(parts.closed, request.table);
         if (parts.closed.empty()) tool.warn("there is no closed pore: the table is empty");
         const double closed = double(parts.closed_voxels), open = double(parts.open_voxels), all = double(parts.voxels);
@@ -109,8 +127,6 @@ void run(const Request& request, cli::Tool& tool) {
         report_bodies(parts.closed, tool);
         return;
     }
-    ObjectLabels objects = request.objects;
-    objects.connectivity = connectivity_of(request.connectivity);
     const ImageObjects measured = image_objects(volume, objects, choice);
     write_table(measured.used, request.table);
     tool.report("objects_used", std::int64_t(measured.used.size()));

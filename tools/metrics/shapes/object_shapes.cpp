@@ -8,7 +8,7 @@
 #include "core/base/error.hpp"
 #include "core/scene/scene.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 
 namespace {
 
@@ -41,13 +41,13 @@ ChosenObjects choose_objects(const Packing& packing, const ObjectChoice& choice)
         throw InvalidInput("the sample has no objects; set 'objects = true' for their phase in the scene");
 
     Vec3 low = packing.box.origin, high = packing.box.origin + packing.box.edges;
-    Vec3 least = packing.position.front(), most = least;
+    Vec3 min = packing.position.front(), max = min;
     for (const Vec3& p : packing.position) {
-        least = least.cwiseMin(p);
-        most = most.cwiseMax(p);
+        min = min.cwiseMin(p);
+        max = max.cwiseMax(p);
     }
-    low = low.cwiseMax(least);
-    high = high.cwiseMin(most);
+    low = low.cwiseMax(min);
+    high = high.cwiseMin(max);
 
     ChosenObjects result;
     std::size_t largest = 0;
@@ -101,4 +101,4 @@ Spread weighted_spread(std::span<const double> values, std::span<const double> w
     return spread;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

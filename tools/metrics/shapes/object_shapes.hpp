@@ -8,7 +8,7 @@
 #include "core/packing/packing_file.hpp"
 #include "tools/metrics/shapes/ellipsoid.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 
 /// One object of a sample and its particles.
 struct Object {
@@ -48,4 +48,4 @@ Spread plain_spread(std::span<const double> values);
 /// An object counts by its weight: deviation^2 = sum w (x - mean)^2 / sum w.
 Spread weighted_spread(std::span<const double> values, std::span<const double> weights);
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

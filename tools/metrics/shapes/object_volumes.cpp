@@ -4,7 +4,7 @@
 #include <array>
 #include <map>
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 /// Volume and number of the particles that are at least so deep inside.
@@ -20,15 +20,15 @@ struct Inside {
     }
     /// Mean share of the deepest that are enough: 50, and 0.3 of all inside. 0: there are not so many.
     double mean() const {
-        const double least = std::max(50.0, 0.3 * particles[1]);
+        const double enough = std::max(50.0, 0.3 * particles[1]);
         for (int d = deepest_centre; d > 0; --d)
-            if (particles[d] >= least) return volume[d] / particles[d];
+            if (particles[d] >= enough) return volume[d] / particles[d];
         return 0.0;
     }
 };
 
 /// Next to a void the shares are too small, and next to those they are too.
-constexpr int least_depth = 2;
+constexpr int min_depth = 2;
 
 }  // namespace
 
@@ -62,9 +62,9 @@ std::vector<ObjectVolume> object_volumes(const AlphaSurface& surface, std::span<
     std::vector<ObjectVolume> volumes;
     for (std::size_t k = 0; k < objects.size(); ++k) {
         const double count = double(objects[k].members.size());
-        if (own[k].particles[least_depth] == count)
-            volumes.push_back({own[k].volume[least_depth], ShareOf::all});
-        else if (own[k].particles[least_depth] >= 50 && own[k].mean() > 0.0)
+        if (own[k].particles[min_depth] == count)
+            volumes.push_back({own[k].volume[min_depth], ShareOf::all});
+        else if (own[k].particles[min_depth] >= 50 && own[k].mean() > 0.0)
             volumes.push_back({count * own[k].mean(), ShareOf::inside});
         else if (const double mean = of_species[objects[k].species].mean(); mean > 0.0)
             volumes.push_back({count * mean, ShareOf::species});
@@ -74,4 +74,4 @@ std::vector<ObjectVolume> object_volumes(const AlphaSurface& surface, std::span<
     return volumes;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -6,13 +6,13 @@
 #include "core/surface/alpha_surface.hpp"
 #include "tools/metrics/shapes/object_shapes.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 
 /// The alpha shape of all particles of a frame, by a probe of one diameter.
 /// @throws InvalidInput as alpha_surface
 AlphaSurface surface_of_all(std::span<const Vec3> position, double seed_radius);
 
-/// The volume that a particle of an object stands for.
+/// The volume of a particle of an object, with its share of the gaps.
 enum class ShareOf {
     all,      ///< each its own: all particles of the object are inside the matter
     inside,   ///< the mean of those that are as deep inside as there are enough
@@ -33,4 +33,4 @@ struct ObjectVolume {
 std::vector<ObjectVolume> object_volumes(const AlphaSurface& surface, std::span<const Object> objects,
                                          double box_share);
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -10,7 +10,7 @@
 
 #include "core/base/parallel.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 /// Points in cells, those of them that can be the nearest of a place in a box.
@@ -49,15 +49,15 @@ class Cells {
             to[c] = std::min(count_[c] - 1, cell + 1);
         }
         std::int32_t best = -1;
-        double least = edge_ * edge_;
+        double nearest = edge_ * edge_;
         for (std::int64_t z = from[2]; z <= to[2]; ++z)
             for (std::int64_t y = from[1]; y <= to[1]; ++y)
                 for (std::int64_t x = from[0]; x <= to[0]; ++x) {
                     const std::int64_t cell = (z * count_[1] + y) * count_[0] + x;
                     for (std::int32_t at = first_[cell]; at < first_[cell + 1]; ++at) {
                         const double distance = (points_[in_[at]] - place).squaredNorm();
-                        if (distance < least || (distance == least && in_[at] < best)) {
-                            least = distance;
+                        if (distance < nearest || (distance == nearest && in_[at] < best)) {
+                            nearest = distance;
                             best = in_[at];
                         }
                     }
@@ -227,4 +227,4 @@ VoxelisedRun voxelise(const Packing& packing, const AlphaSurface& surface, const
     return result;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -8,7 +8,7 @@
 #include "core/volume/volume.hpp"
 
 /// A frame of a run as a label image: what a tomograph would see of it.
-namespace tomodem {
+namespace tomodem::shapes {
 
 /// The voxels of an image.
 struct Grid {
@@ -36,4 +36,4 @@ VoxelisedRun voxelise(const Packing& packing, const AlphaSurface& surface, const
 using RowVisit = std::function<void(std::int32_t, std::int32_t, std::int32_t, std::int32_t)>;
 void for_each_row_inside(const TriangleMesh& mesh, const Grid& grid, int threads, const RowVisit& row);
 
-}  // namespace tomodem
+}  // namespace tomodem::shapes

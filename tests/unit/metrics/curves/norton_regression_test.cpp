@@ -8,7 +8,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tomodem {
+namespace tomodem::curves {
 namespace {
 
 using testing::HasSubstr;
@@ -92,4 +92,4 @@ TEST(StudentT, EqualsTheTables) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::curves

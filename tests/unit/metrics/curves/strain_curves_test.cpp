@@ -8,7 +8,7 @@
 #include "tests/unit/metrics/synthetic_run.hpp"
 #include "tests/unit/temporary_folder.hpp"
 
-namespace tomodem {
+namespace tomodem::curves {
 namespace {
 
 using testing::HasSubstr;
@@ -214,4 +214,4 @@ TEST(EquilibriumErrors, LeaveOutPointsWithoutForce) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::curves

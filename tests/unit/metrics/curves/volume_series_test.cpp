@@ -6,7 +6,7 @@
 #include "tests/unit/metrics/synthetic_run.hpp"
 #include "tests/unit/temporary_folder.hpp"
 
-namespace tomodem {
+namespace tomodem::curves {
 namespace {
 
 using testing::HasSubstr;
@@ -51,4 +51,4 @@ TEST_F(VolumeSeries, NamesTheFrameThatHasNoVolume) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::curves

@@ -10,7 +10,7 @@
 #include "tests/unit/metrics/synthetic_run.hpp"
 #include "tests/unit/temporary_folder.hpp"
 
-namespace tomodem {
+namespace tomodem::fields {
 namespace {
 
 using testing::HasSubstr;
@@ -61,7 +61,7 @@ TEST_F(ControlFile, GivesTheConstantsOfTheSceneInTheLengthsOfTheSample) {
     // Ten times smaller particles: forces a hundredth, lengths a tenth; the dimensionless numbers are the same.
     for (const double seed_radius : {0.5, 0.05}) {
         const auto path = write(seed_radius);
-        const RunFrames frames(path, "all");
+        const RunFrames frames(path);
         const auto phases = phase_constants(frames);
         ASSERT_EQ(phases.size(), 1u);
         EXPECT_NEAR(phases[0].stiffness, 5e9 * seed_radius / 0.5, 1.0);
@@ -69,8 +69,8 @@ TEST_F(ControlFile, GivesTheConstantsOfTheSceneInTheLengthsOfTheSample) {
         const ControlNumbers numbers =
             ControlCurves(path, 0.01).at(200.0, phases, frames.packing().size(), 2.0 * seed_radius);
         EXPECT_NEAR(numbers.rate, 1e-3, 1e-12);
-        EXPECT_NEAR(*numbers.least_stiffness_level, 50.0, 1e-9);
-        EXPECT_NEAR(*numbers.greatest_inertial_number, 1e-3 * 0.1 / (2.0 * std::numbers::pi) * std::sqrt(50.0), 1e-12);
+        EXPECT_NEAR(*numbers.min_stiffness_level, 50.0, 1e-9);
+        EXPECT_NEAR(*numbers.max_inertial_number, 1e-3 * 0.1 / (2.0 * std::numbers::pi) * std::sqrt(50.0), 1e-12);
         EXPECT_NEAR(*numbers.kinetic_number, 1.0 / (1e8 * std::pow(2.0 * seed_radius, 3)), 1e-18);
         EXPECT_NEAR(*numbers.kinetic_over_elastic, 0.002, 1e-12);
         EXPECT_NEAR(numbers.phases[0].chi, 1e-3 * 0.01 / 5e-4, 1e-12);
@@ -79,14 +79,14 @@ TEST_F(ControlFile, GivesTheConstantsOfTheSceneInTheLengthsOfTheSample) {
 
 TEST_F(ControlFile, HasNoNumbersThatDivideByAStressOfZero) {
     const auto path = write(0.5);
-    const RunFrames frames(path, "all");
+    const RunFrames frames(path);
     const ControlNumbers numbers = ControlCurves(path, 0.01).at(0.0, phase_constants(frames), 64, 1.0);
     EXPECT_EQ(numbers.stress, 0.0);
-    EXPECT_FALSE(numbers.least_stiffness_level || numbers.greatest_inertial_number || numbers.kinetic_number);
+    EXPECT_FALSE(numbers.min_stiffness_level || numbers.max_inertial_number || numbers.kinetic_number);
 }
 
 TEST_F(ControlFile, NeedsAScene) {
-    const RunFrames frames(write(0.5, ""), "all");
+    const RunFrames frames(write(0.5, ""));
     EXPECT_THAT([&] { phase_constants(frames); }, ThrowsMessage<InvalidInput>(HasSubstr("holds no scene")));
 }
 
@@ -94,10 +94,10 @@ TEST_F(ControlFile, ScalesStiffnessAndMassWithTheHardening) {
     std::string scene = scene_text;
     scene.insert(scene.find("[load]"), "hardening = { table = [[0, 1], [300, 4]] }\n");
     const auto path = write(0.5, scene);
-    const RunFrames frames(path, "all");
+    const RunFrames frames(path);
     const ControlNumbers numbers = ControlCurves(path, 0.0).at(300.0, phase_constants(frames), 64, 1.0);
-    EXPECT_NEAR(*numbers.least_stiffness_level, 200.0, 1e-9);
-    EXPECT_NEAR(*numbers.greatest_inertial_number, 1e-4 / (2.0 * std::numbers::pi) * std::sqrt(200.0), 1e-12);
+    EXPECT_NEAR(*numbers.min_stiffness_level, 200.0, 1e-9);
+    EXPECT_NEAR(*numbers.max_inertial_number, 1e-4 / (2.0 * std::numbers::pi) * std::sqrt(200.0), 1e-12);
 }
 
 TEST(DeformedDensity, OfTouchingFccSpheresIsPiOverRoot18) {
@@ -145,7 +145,7 @@ TEST_F(FramesFile, KnowTheBoxThatPeriodicSidesHaveNow) {
             writer.add_frame({i, double(i), packing.position});
         }
         writer.commit();
-        const RunFrames frames(path, "all");
+        const RunFrames frames(path);
         const Box box = frames.box(1);
         EXPECT_EQ(box.periodic, (std::array<bool, 3>{lateral, lateral, false}));
         const double growth = lateral ? 1.2 : 1.0;
@@ -156,4 +156,4 @@ TEST_F(FramesFile, KnowTheBoxThatPeriodicSidesHaveNow) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::fields

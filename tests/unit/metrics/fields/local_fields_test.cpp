@@ -13,7 +13,7 @@
 #include "tools/metrics/fields/space_average.hpp"
 #include "tools/metrics/fields/summary.hpp"
 
-namespace tomodem {
+namespace tomodem::fields {
 namespace {
 
 using testing::DoubleNear;
@@ -242,7 +242,7 @@ TEST(Summary, IsOverFiniteValuesOfTheLabel) {
     EXPECT_EQ(second.count, 2);
     EXPECT_DOUBLE_EQ(second.mean, 15.0);
     EXPECT_DOUBLE_EQ(second.deviation, 5.0);
-    EXPECT_DOUBLE_EQ(summary({values, 2, 0}, species).most, 100.0);
+    EXPECT_DOUBLE_EQ(summary({values, 2, 0}, species).max, 100.0);
     EXPECT_EQ(summary({values, 2, 0}, species, 7).count, 0);
     EXPECT_TRUE(std::isnan(summary({values, 2, 0}, species, 7).mean));
 }
@@ -255,4 +255,4 @@ TEST(FieldRadius, MustBeSmallerThanTheSample) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::fields

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <random>
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 using testing::ElementsAre;
@@ -73,4 +73,4 @@ TEST(BestPairs, OfAShiftedChainOfThousandsAreThoseShifted) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::shapes

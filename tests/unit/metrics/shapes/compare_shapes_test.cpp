@@ -10,7 +10,7 @@
 #include "tests/unit/metrics/synthetic_run.hpp"
 #include "tools/metrics/shapes/voxelised_run.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 using testing::HasSubstr;
@@ -75,7 +75,7 @@ struct Compared {
 };
 
 Compared compared(const Packing& sample, LabelVolume volume) {
-    ImageObjects objects = image_objects(volume, {.components = "2", .labels = ""}, {});
+    ImageObjects objects = image_objects(volume, {.components = {2}}, {});
     const AlphaSurface surface = surface_of_all(sample.position, sample.seed_radius);
     std::vector<RunBody> bodies = measure_objects(sample, surface, choose_objects(sample, {}).used, 2);
     Compared result{std::move(volume), std::move(objects), std::move(bodies), {}};
@@ -238,4 +238,4 @@ TEST(RequireSamePlace, RejectsAnotherSizeOrPlace) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::shapes

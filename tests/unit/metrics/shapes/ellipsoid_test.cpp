@@ -8,7 +8,7 @@
 
 #include "tests/unit/metrics/synthetic_run.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 double shape_factor_of(const std::vector<Vec3>& centres) {
@@ -128,4 +128,4 @@ TEST(ShapeColumns, AreAsManyAsTheirCells) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -8,7 +8,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 using testing::HasSubstr;
@@ -38,7 +38,7 @@ LabelVolume ellipsoid(const Vec3& semi_axes, const Vec3& spacing = Vec3::Ones())
 }
 
 ImageBody only_object(LabelVolume volume, const BodyChoice& choice = {.min_voxels = 1}) {
-    const ImageObjects objects = image_objects(volume, {.components = "1", .labels = ""}, choice);
+    const ImageObjects objects = image_objects(volume, {.components = {1}}, choice);
     EXPECT_EQ(objects.used.size(), 1u);
     return objects.used.front();
 }
@@ -96,7 +96,7 @@ TEST(ImageObjects, ABoxOfVoxelsHasTheMomentsOfTheirCentres) {
     LabelVolume volume = image(
         {12, 12, 12}, spacing,
         [](int i, int j, int k) { return i >= 2 && i < 10 && j >= 3 && j < 5 && k >= 4 && k < 8 ? 1 : 0; }, origin);
-    const ImageObjects objects = image_objects(volume, {.components = "1", .labels = ""}, {});
+    const ImageObjects objects = image_objects(volume, {.components = {1}}, {});
     ASSERT_EQ(objects.used.size(), 1u);
     const ImageBody& body = objects.used.front();
     EXPECT_EQ(body.voxels, 64);
@@ -115,9 +115,8 @@ TEST(ImageObjects, ABoxOfVoxelsHasTheMomentsOfTheirCentres) {
 
 TEST(ImageObjects, WhatLiesInOnePlaneHasNoShape) {
     LabelVolume sheet = image({9, 9, 9}, Vec3::Ones(), [](int i, int j, int k) { return i == j && k > 0; });
-    EXPECT_THAT(
-        [&] { image_objects(sheet, {.components = "1", .labels = "", .connectivity = Connectivity::edges}, {}); },
-        ThrowsMessage<InvalidInput>(HasSubstr("1 have fewer than --min-voxels 27 or lie in one plane")));
+    EXPECT_THAT([&] { image_objects(sheet, {.components = {1}, .connectivity = Connectivity::edges}, {}); },
+                ThrowsMessage<InvalidInput>(HasSubstr("1 have fewer than --min-voxels 27 or lie in one plane")));
 }
 
 TEST(ImageObjects, AnEllipsoidHasItsShapeFactorAndAxes) {
@@ -150,13 +149,13 @@ TEST(ImageObjects, TellsWhatTouchesAFaceAndLeavesItOutOnDemand) {
         return j < 4 && k < 4 && (i < 4 || (i > 5 && i < 10)) && k > 0 && j > 0;
     };
     LabelVolume volume = image({12, 6, 6}, Vec3::Ones(), label);
-    const ImageObjects objects = image_objects(volume, {.components = "all", .labels = ""}, {});
+    const ImageObjects objects = image_objects(volume, {.all_components = true}, {});
     ASSERT_EQ(objects.used.size(), 2u);
     EXPECT_TRUE(objects.used[0].at_boundary);
     EXPECT_FALSE(objects.used[1].at_boundary);
     LabelVolume again = image({12, 6, 6}, Vec3::Ones(), label);
     const ImageObjects inside =
-        image_objects(again, {.components = "all", .labels = ""}, {.min_voxels = 27, .exclude_boundary = true});
+        image_objects(again, {.all_components = true}, {.min_voxels = 27, .exclude_boundary = true});
     ASSERT_EQ(inside.used.size(), 1u);
     EXPECT_EQ(inside.used[0].number, 2);
     EXPECT_EQ(inside.at_boundary, 1);
@@ -164,7 +163,7 @@ TEST(ImageObjects, TellsWhatTouchesAFaceAndLeavesItOutOnDemand) {
 
 TEST(ImageObjects, LabelsThatAreObjectsKeepTheirNumbers) {
     LabelVolume volume = image({12, 4, 4}, Vec3::Ones(), [](int i, int, int) { return i < 4 ? 7 : i < 8 ? 1 : 300; });
-    const ImageObjects objects = image_objects(volume, {.components = "1", .labels = "5:400=2"}, {});
+    const ImageObjects objects = image_objects(volume, {.components = {1}, .labels = {{5, 400, 2}}}, {});
     ASSERT_EQ(objects.used.size(), 3u);
     EXPECT_EQ(objects.used[0].number, 7);
     EXPECT_EQ(objects.used[0].label, 2);
@@ -175,14 +174,17 @@ TEST(ImageObjects, LabelsThatAreObjectsKeepTheirNumbers) {
 
 TEST(ImageObjects, RejectsAnImageWithoutWhatIsAskedFor) {
     LabelVolume empty = image({4, 4, 4}, Vec3::Ones(), [](int, int, int) { return 0; });
-    EXPECT_THAT([&] { image_objects(empty, {.components = "1", .labels = ""}, {}); },
+    EXPECT_THAT([&] { image_objects(empty, {.components = {1}}, {}); },
                 ThrowsMessage<InvalidInput>(HasSubstr("all of it is void")));
     LabelVolume volume = image({4, 4, 4}, Vec3::Ones(), [](int i, int, int) { return i < 2 ? 1 : 4; });
-    EXPECT_THAT([&] { image_objects(volume, {.components = "2", .labels = ""}, {}); },
+    EXPECT_THAT([&] { image_objects(volume, {.components = {2}}, {}); },
                 ThrowsMessage<InvalidInput>(HasSubstr("--objects 2: the image has no such label; it has 1, 4")));
-    EXPECT_THAT([&] { image_objects(volume, {.components = "", .labels = "5:9=1"}, {}); },
-                ThrowsMessage<InvalidInput>(HasSubstr("no label from 5 to 9")));
-    EXPECT_THAT([&] { image_objects(volume, {.components = "4", .labels = ""}, {.min_voxels = 33}); },
+    EXPECT_THAT(
+        [&] {
+            image_objects(volume, {.labels = {{5, 9, 1}}}, {});
+        },
+        ThrowsMessage<InvalidInput>(HasSubstr("no label from 5 to 9")));
+    EXPECT_THAT([&] { image_objects(volume, {.components = {4}}, {.min_voxels = 33}); },
                 ThrowsMessage<InvalidInput>(HasSubstr("1 have fewer than --min-voxels 33")));
 }
 
@@ -220,4 +222,4 @@ TEST(VoidParts, OfASolidAreNone) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::shapes

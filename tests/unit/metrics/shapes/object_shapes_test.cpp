@@ -5,7 +5,7 @@
 #include "core/base/error.hpp"
 #include "tests/unit/metrics/synthetic_run.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 using testing::HasSubstr;
@@ -95,4 +95,4 @@ TEST(Spread, OfOneObjectHasNoDeviation) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -6,7 +6,7 @@
 
 #include "tests/unit/metrics/synthetic_run.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 /// A cube of 20 particles an edge, one diameter apart but for a jitter; objects are boxes of them.
@@ -79,4 +79,4 @@ TEST(ObjectVolumes, WithoutASurfaceAreThoseOfTheBox) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::shapes

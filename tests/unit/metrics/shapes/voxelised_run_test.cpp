@@ -9,7 +9,7 @@
 #include "tests/unit/metrics/synthetic_run.hpp"
 #include "tools/metrics/shapes/object_volumes.hpp"
 
-namespace tomodem {
+namespace tomodem::shapes {
 namespace {
 
 /// A cube of edge 1 from `low`, outward oriented.
@@ -103,4 +103,4 @@ TEST(Voxelise, IsTheSameOnAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::shapes

@@ -8,11 +8,13 @@
 
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/packing/structure.hpp"
 #include "tools/metrics/fields/run_frames.hpp"
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::fields;
 
 struct Request {
     std::filesystem::path run, table, fields;
@@ -22,13 +24,25 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"crystallinity",
                       "Share of the particles in fcc, hcp, bcc or icosahedral order (common-neighbour analysis)."}
-        .input("RUN", request.run, "run or sample (.h5)")
-        .output("TABLE", request.table, "for each frame a row of all particles and of each phase, to write (.csv)")
-        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
+        .input("RUN", request.run, "Run or sample (.h5) to measure.")
+        .output("TABLE", request.table,
+                "Table to write, with one row of all particles and one of each phase for each frame.", {".csv"})
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .output_option("--fields", request.fields,
-                       "also write the order of each particle (0 none, 1 fcc, 2 hcp, 3 bcc, 4 icosahedral), for "
-                       "ParaView (.h5)")
+                       "Also write the order of each particle (0 none, 1 fcc, 2 hcp, 3 bcc, 4 icosahedral), and "
+                       "beside the file a .xdmf for ParaView.",
+                       {".h5"})
         .threads()
+        .step(cli::Step::measure)
+        .measure({.heading = "Crystalline order",
+                  .results = {{"crystalline_last", "crystalline particles, of those inside, last frame", "%", 100},
+                              {"crystalline_first", "crystalline particles, of those inside, first frame", "%", 100},
+                              {"fcc_last", "in fcc order", "%", 100},
+                              {"hcp_last", "in hcp order", "%", 100},
+                              {"bcc_last", "in bcc order", "%", 100},
+                              {"icosahedral_last", "in icosahedral order", "%", 100}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"crystalline", "crystalline particles, of those inside", "%", 100}}})
         .example("crystallinity run.h5 crystallinity.csv --fields order.h5");
 }
 
@@ -59,11 +73,12 @@ Count count(const std::vector<Order>& order, const std::vector<std::uint8_t>& su
 }
 
 void run(const Request& request, cli::Tool& tool) {
-    const RunFrames frames(request.run, request.frames);
+    const RunFrames frames(request.run);
+    const std::vector<std::size_t> chosen = cli::chosen_frames(request.frames, frames.run().frame_count());
     const Packing& packing = frames.packing();
     std::unique_ptr<FieldWriter> fields;
     if (!request.fields.empty())
-        fields = std::make_unique<FieldWriter>(frames.run(), frames.chosen(),
+        fields = std::make_unique<FieldWriter>(frames.run(), chosen,
                                                std::vector<ParticleField>{{"order", "", 1}, {"surface", "", 1}},
                                                request.fields, provenance_of_fields(frames.run(), tool.provenance()));
     double largest = packing.seed_radius;
@@ -72,9 +87,9 @@ void run(const Request& request, cli::Tool& tool) {
     Table table(RunFrames::columns({"species [-]", "particles [-]", "surface [-]", "fcc [-]", "hcp [-]", "bcc [-]",
                                     "icosahedral [-]", "crystalline [-]"}));
     Count first, last;
-    const auto progress = tool.progress("frames", double(frames.chosen().size()));
-    for (std::size_t done = 0; done < frames.chosen().size(); ++done) {
-        const std::size_t index = frames.chosen()[done];
+    const auto progress = tool.progress("frames", double(chosen.size()));
+    for (std::size_t done = 0; done < chosen.size(); ++done) {
+        const std::size_t index = chosen[done];
         const Frame frame = frames.run().frame(index);
         const NeighbourTable near(frame.position, frames.box(index), reach * 2.0 * largest, tool.threads());
         const std::vector<Order> order = common_neighbour_analysis(near, tool.threads());
@@ -101,7 +116,7 @@ void run(const Request& request, cli::Tool& tool) {
     table.write(request.table);
     if (fields) fields->commit();
 
-    tool.report("frames", std::int64_t(frames.chosen().size()));
+    tool.report("frames", std::int64_t(chosen.size()));
     tool.report("particles", std::int64_t(packing.size()));
     tool.report("surface_last", last.surface);
     if (last.inner() == 0) {

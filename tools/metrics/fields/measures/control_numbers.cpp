@@ -14,11 +14,15 @@
 #include "core/base/parallel.hpp"
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
+#include "tools/metrics/curves/strain_curves.hpp"
 #include "tools/metrics/fields/control.hpp"
 #include "tools/metrics/fields/run_frames.hpp"
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::curves;
+using namespace tomodem::fields;
 
 struct Request {
     std::filesystem::path run, table, curve;
@@ -29,14 +33,27 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"control_numbers",
                       "Control numbers of a run: density, stiffness level, inertial number, Q, E_k / E_p."}
-        .input("RUN", request.run, "run written by solve (.h5)")
-        .output("TABLE", request.table, "for each frame a row of all particles and of each phase, to write (.csv)")
-        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
+        .input("RUN", request.run, "Run (.h5) written by solve.")
+        .output("TABLE", request.table,
+                "Table to write, with one row of all particles and one of each phase for each frame.", {".csv"})
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .option("--averaging-strain", request.averaging_strain, cli::Unit::strain, cli::not_negative,
-                "width of the window of strain over which energies are averaged (forces are, by the solver); 0: none")
+                "Average the energies over a window of strain of this width; 0 does not average. The solver has "
+                "already averaged the forces.")
         .output_option("--curve", request.curve,
-                       "also write the numbers at every point of the curves, without density (.csv)")
+                       "Also write the numbers at every point of the run's curves, without the density.", {".csv"})
         .threads()
+        .step(cli::Step::measure)
+        .measure({.heading = "Control numbers of the packing",
+                  .results = {{"density_first", "density D of the packing, first frame", ""},
+                              {"density_last", "density D of the packing, last frame", ""},
+                              {"stiffness_level_last", "stiffness level k/(P d)", ""},
+                              {"inertial_number_last", "inertial number", ""},
+                              {"Q_last", "kinetic energy over P d³", ""},
+                              {"kinetic_over_elastic_last", "kinetic over elastic energy", ""},
+                              {"limits_exceeded", "limits exceeded", ""}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"density", "density D of the packing", ""}}})
         .example("control_numbers run.h5 control.csv --curve control_curve.csv");
 }
 
@@ -46,7 +63,7 @@ Table::Cell cell(const std::optional<double>& value) {
 
 /// Where a number leaves the range in which the method is known to be quasi-static (docs/measures.md).
 struct Limit {
-    double most;
+    double max;
     const char* meaning;
 };
 constexpr Limit inertial_limit{
@@ -60,7 +77,7 @@ constexpr Limit heat_limit{
     10.0, "E_k is {:.2g} times that of the flow at strain {:.3g}, above {:g}: the packing is hot (docs/norton.md)"};
 constexpr Limit equilibrium_limit{
     0.01, "the equilibrium error is {:.2g} on average, largest at strain {:.3g}, above {:g}: the thesis' limit (14.2)"};
-constexpr double least_stiffness_level = 10.0;
+constexpr double stiffness_limit = 10.0;
 
 struct Worst {
     double value = 0.0, strain = 0.0;
@@ -71,8 +88,8 @@ struct Worst {
     }
     /// @return  1 if it warned
     int warn_above(const Limit& limit, cli::Tool& tool) const {
-        if (!(value > limit.most)) return 0;
-        tool.warn(fmt::format(fmt::runtime(limit.meaning), value, strain, limit.most));
+        if (!(value > limit.max)) return 0;
+        tool.warn(fmt::format(fmt::runtime(limit.meaning), value, strain, limit.max));
         return 1;
     }
 };
@@ -119,29 +136,29 @@ int warn_of_leaving(const ControlCurves& curves, const std::vector<PhaseConstant
         const double strain = curves.points.strain[i];
         const ControlNumbers numbers = curves.at(curves.points.time[i], phases, particles, diameter);
         if (!flows(numbers.stress, largest)) continue;
-        inertial.see(numbers.greatest_inertial_number, strain);
+        inertial.see(numbers.max_inertial_number, strain);
         agitation.see(numbers.kinetic_over_elastic, strain);
-        if (numbers.least_stiffness_level) softness.see(1.0 / *numbers.least_stiffness_level, strain);
+        if (numbers.min_stiffness_level) softness.see(1.0 / *numbers.min_stiffness_level, strain);
         for (const auto& phase : numbers.phases) chi.see(phase.chi, strain);
     }
-    const int exceeded =
-        inertial.warn_above(inertial_limit, tool) + agitation.warn_above(agitation_limit, tool) + chi.warn_above(chi_limit, tool);
-    if (!(softness.value > 1.0 / least_stiffness_level)) return exceeded;
+    const int exceeded = inertial.warn_above(inertial_limit, tool) + agitation.warn_above(agitation_limit, tool) +
+                         chi.warn_above(chi_limit, tool);
+    if (!(softness.value > 1.0 / stiffness_limit)) return exceeded;
     tool.warn(fmt::format(
         "stiffness level {:.3g} at strain {:.3g}, below {:g}: particles overlap by more than a tenth of their "
         "diameter",
-        1.0 / softness.value, softness.strain, least_stiffness_level));
+        1.0 / softness.value, softness.strain, stiffness_limit));
     return exceeded + 1;
 }
 
 void run(const Request& request, cli::Tool& tool) {
-    const RunFrames frames(request.run, request.frames);
+    const RunFrames frames(request.run);
+    const std::vector<std::size_t> chosen = cli::chosen_frames(request.frames, frames.run().frame_count());
     const Packing& packing = frames.packing();
     const ControlCurves curves(request.run, request.averaging_strain);
     const std::vector<PhaseConstants> phases = phase_constants(frames);
     const double diameter = 2.0 * packing.seed_radius;
 
-    const auto& chosen = frames.chosen();
     std::vector<std::optional<Density>> density(chosen.size());
     std::vector<double> flow(chosen.size());
     const auto progress = tool.progress("frames", double(chosen.size()));
@@ -177,8 +194,8 @@ void run(const Request& request, cli::Tool& tool) {
         all.push_back(d ? Table::Cell(d->density) : none);
         all.push_back(d ? Table::Cell(d->volume) : none);
         all.insert(all.end(), {last.stress, last.rate, none, none, none});
-        for (const auto& number : {last.least_stiffness_level, last.greatest_inertial_number, last.kinetic_number,
-                                   last.kinetic_over_elastic})
+        for (const auto& number :
+             {last.min_stiffness_level, last.max_inertial_number, last.kinetic_number, last.kinetic_over_elastic})
             all.push_back(cell(number));
         all.push_back(flow[k] > 0.0 ? Table::Cell(kinetic / flow[k]) : none);
         table.add(frames.row(chosen[k], all));
@@ -205,7 +222,7 @@ void run(const Request& request, cli::Tool& tool) {
     for (std::size_t i = 0; !request.curve.empty() && i < curves.points.time.size(); ++i) {
         const ControlNumbers numbers = curves.at(curves.points.time[i], phases, packing.size(), diameter);
         points.add({curves.points.time[i], curves.points.strain[i], std::abs(curves.points.strain[i]), numbers.stress,
-                    numbers.rate, cell(numbers.least_stiffness_level), cell(numbers.greatest_inertial_number),
+                    numbers.rate, cell(numbers.min_stiffness_level), cell(numbers.max_inertial_number),
                     cell(numbers.kinetic_number), cell(numbers.kinetic_over_elastic)});
     }
     table.write(request.table);
@@ -216,8 +233,8 @@ void run(const Request& request, cli::Tool& tool) {
     };
     if (density.front()) tool.report("density_first", density.front()->density);
     if (density.back()) tool.report("density_last", density.back()->density);
-    report("stiffness_level_last", last.least_stiffness_level);
-    report("inertial_number_last", last.greatest_inertial_number);
+    report("stiffness_level_last", last.min_stiffness_level);
+    report("inertial_number_last", last.max_inertial_number);
     report("Q_last", last.kinetic_number);
     report("kinetic_over_elastic_last", last.kinetic_over_elastic);
     std::int64_t exceeded = warn_of_imbalance(frames.run(), curves, tool);

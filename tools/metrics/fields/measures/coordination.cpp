@@ -6,12 +6,14 @@
 
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/packing/structure.hpp"
 #include "tools/metrics/fields/run_frames.hpp"
 #include "tools/metrics/fields/summary.hpp"
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::fields;
 
 struct Request {
     std::filesystem::path run, table, fields;
@@ -21,25 +23,39 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage{"coordination", "Contacts, rattlers and overlaps of the particles along a run."}
-        .input("RUN", request.run, "run or sample (.h5)")
+        .input("RUN", request.run, "Run or sample (.h5) to measure.")
         .output("TABLE", request.table,
-                "for each frame a row of all particles, of each phase and of each pair of phases, to write (.csv)")
+                "Table to write, with one row of all particles, of each phase and of each pair of phases for each "
+                "frame.",
+                {".csv"})
         .option("--reach", request.reach, cli::Unit::none, {.low = 0.5, .high = 3.0},
-                "a contact is a pair nearer than this many times the sum of its radii: 1 for the seeds, r_c / r_s (1.5 "
-                "for BILIN) for the crowns")
-        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
-        .output_option("--fields", request.fields, "also write the contacts of each particle, for ParaView (.h5)")
+                "Count a pair as a contact when its centres are closer than this many times the sum of the two radii: "
+                "1 is the contact of the seeds, r_c / r_s (1.5 for BILIN) that of the crowns.")
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
+        .output_option("--fields", request.fields,
+                       "Also write the contacts of each particle, and beside the file a .xdmf for ParaView.", {".h5"})
         .threads()
+        .step(cli::Step::measure)
+        .measure({.heading = "Contacts of the particles",
+                  .results = {{"mean_coordination_last", "contacts of a particle, mean", ""},
+                              {"backbone_coordination_last", "contacts of a particle, mean without rattlers", ""},
+                              {"rattlers_last", "rattlers", ""},
+                              {"mean_overlap_last", "overlap of a contact, mean", "%", 100},
+                              {"max_overlap_last", "overlap of a contact, largest", "%", 100}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"mean_coordination", "contacts of a particle, mean", ""},
+                             {"backbone_coordination", "contacts of a particle, mean without rattlers", ""}}})
         .example("coordination run.h5 coordination.csv --fields contacts.h5");
 }
 
 void run(const Request& request, cli::Tool& tool) {
-    const RunFrames frames(request.run, request.frames);
+    const RunFrames frames(request.run);
+    const std::vector<std::size_t> chosen = cli::chosen_frames(request.frames, frames.run().frame_count());
     const Packing& packing = frames.packing();
     std::unique_ptr<FieldWriter> fields;
     if (!request.fields.empty())
         fields = std::make_unique<FieldWriter>(
-            frames.run(), frames.chosen(),
+            frames.run(), chosen,
             std::vector<ParticleField>{{"coordination", "", 1}, {"backbone_coordination", "", 1}, {"rattler", "", 1}},
             request.fields, provenance_of_fields(frames.run(), tool.provenance()));
 
@@ -47,9 +63,9 @@ void run(const Request& request, cli::Tool& tool) {
                                     "mean_coordination [-]", "rattlers [-]", "backbone_coordination [-]",
                                     "mean_overlap [-]", "max_overlap [-]"}));
     ContactStatistics last;
-    const auto progress = tool.progress("frames", double(frames.chosen().size()));
-    for (std::size_t done = 0; done < frames.chosen().size(); ++done) {
-        const std::size_t index = frames.chosen()[done];
+    const auto progress = tool.progress("frames", double(chosen.size()));
+    for (std::size_t done = 0; done < chosen.size(); ++done) {
+        const std::size_t index = chosen[done];
         const Frame frame = frames.run().frame(index);
         const ContactDetail detail =
             contact_detail(frames.at(frame, index), request.reach, OpenFaces::free, tool.threads());
@@ -105,7 +121,7 @@ void run(const Request& request, cli::Tool& tool) {
     table.write(request.table);
     if (fields) fields->commit();
 
-    tool.report("frames", std::int64_t(frames.chosen().size()));
+    tool.report("frames", std::int64_t(chosen.size()));
     tool.report("particles", std::int64_t(packing.size()));
     tool.report("contacts_last", last.contacts);
     tool.report("mean_coordination_last", last.mean_coordination);

@@ -1,6 +1,4 @@
 // shape_factor: S_f = H / D of every object at every frame of a run.
-#include <fmt/format.h>
-
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -16,6 +14,8 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::curves;
+using namespace tomodem::shapes;
 
 struct Request {
     std::filesystem::path run, table, means;
@@ -26,19 +26,30 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"shape_factor",
                       "Shape factor S_f = H / D of the objects of a run, H along the load and D across."}
-        .input("RUN", request.run, "run or sample (.h5) whose objects are told apart")
-        .output("TABLE", request.table, "one row for each frame and object, to write (.csv)")
+        .input("RUN", request.run, "Run or sample (.h5) whose particles carry the number of their object.")
+        .output("TABLE", request.table, "Table to write, with one row for each frame and object.", {".csv"})
         .option("--min-particles", request.min_particles, cli::Unit::particles, {.low = 4},
-                "objects with fewer are left out")
+                "Leave out objects with fewer particles.")
         .flag("--exclude-boundary", request.exclude_boundary,
-              "leave out objects within one particle diameter of the sample's outer box in the first frame")
-        .output_option("--means", request.means, "also write the means over the objects, one row for each frame (.csv)")
+              "Leave out objects within one particle diameter of the sample's outer box in the first frame.")
+        .output_option("--means", request.means, "Also write the means over the objects, with one row for each frame.",
+                       {".csv"})
+        .step(cli::Step::measure)
+        .measure({.heading = "Shape factor",
+                  .results = {{"shape_factor_last", "shape factor H/D, mean by volume at the end", ""},
+                              {"shape_factor_last_deviation", "scatter of the objects", ""},
+                              {"shape_factor_first", "shape factor H/D, at the beginning", ""},
+                              {"objects_used", "objects measured", ""},
+                              {"objects_too_small", "objects too small", ""},
+                              {"objects_at_boundary", "objects left out at the outer faces", ""}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"shape_factor", "shape factor H/D", ""}}})
         .example("shape_factor run.h5 shapes.csv --means means.csv --exclude-boundary");
 }
 
 /// A number of JSON, or null.
-std::string json(const std::optional<double>& value) {
-    return value ? fmt::format("{}", *value) : "null";
+nlohmann::ordered_json json(const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
 Table::Cell cell(const std::optional<double>& value) {
@@ -65,7 +76,7 @@ void run(const Request& request, cli::Tool& tool) {
     }
 
     const auto progress = tool.progress("frames", double(reader.frame_count()));
-    std::string frames;
+    nlohmann::ordered_json frames = nlohmann::ordered_json::array();
     Spread weighted_first, weighted, plain, weighted_normalised;
     for (std::size_t index = 0; index < reader.frame_count(); ++index) {
         const Frame frame = reader.frame(index);
@@ -87,11 +98,14 @@ void run(const Request& request, cli::Tool& tool) {
         means.add({std::int64_t(index), frame.time, strain, std::abs(strain), std::int64_t(factors.size()),
                    weighted.mean, cell(weighted.deviation), plain.mean, cell(plain.deviation), weighted_normalised.mean,
                    cell(weighted_normalised.deviation), plain_normalised.mean, cell(plain_normalised.deviation)});
-        frames +=
-            fmt::format(R"({}{{"frame":{},"strain":{},"mean_weighted":{},"deviation_weighted":{},"mean_plain":{},)"
-                        R"("deviation_plain":{},"normalised_mean_weighted":{},"normalised_mean_plain":{}}})",
-                        index == 0 ? "" : ",", index, strain, weighted.mean, json(weighted.deviation), plain.mean,
-                        json(plain.deviation), weighted_normalised.mean, plain_normalised.mean);
+        frames.push_back({{"frame", index},
+                          {"strain", strain},
+                          {"mean_weighted", weighted.mean},
+                          {"deviation_weighted", json(weighted.deviation)},
+                          {"mean_plain", plain.mean},
+                          {"deviation_plain", json(plain.deviation)},
+                          {"normalised_mean_weighted", weighted_normalised.mean},
+                          {"normalised_mean_plain", plain_normalised.mean}});
         progress->update(double(index + 1));
     }
 
@@ -107,7 +121,7 @@ void run(const Request& request, cli::Tool& tool) {
     tool.report("shape_factor_last_plain", plain.mean);
     if (plain.deviation) tool.report("shape_factor_last_plain_deviation", *plain.deviation);
     tool.report("shape_factor_last_normalised", weighted_normalised.mean);
-    tool.report_json("shape_factor_frames", nlohmann::ordered_json::parse("[" + frames + "]"));
+    tool.report_json("shape_factor_frames", frames);
 }
 }  // namespace
 

@@ -13,8 +13,8 @@
 #include "core/base/parallel.hpp"
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/law/self_contact.hpp"
-#include "core/mesh/export_frames.hpp"
 #include "core/packing/packing_file.hpp"
 #include "core/surface/pore_search.hpp"
 #include "core/surface/reconstruction.hpp"
@@ -22,41 +22,60 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::curves;
 namespace fs = std::filesystem;
 
 struct Request {
     fs::path run, table, each;
     std::string method = "lids", frames = "all";
-    double probe_radius = 0.0, lid_radius = 0.0, least_outward = 0.0;  // mm; 0: not given
-    double least_pore = 4.0;
+    double probe_radius = 0.0, lid_radius = 0.0, min_outward = 0.0;  // mm; 0: not given
+    double min_pore = 4.0;
     std::int64_t closed_frame = -1;
     bool closed_only = false;
 };
 
 cli::Usage usage(Request& request) {
     return cli::Usage{"pores", "Volume, surface, mouths and sphericity of the pores of a sample through a run."}
-        .input("RUN", request.run, "run or sample (.h5)")
-        .output("TABLE", request.table, "one row for each frame, to write (.csv)")
+        .input("RUN", request.run, "Run or sample (.h5) to measure.")
+        .output("TABLE", request.table, "Table to write, with one row for each frame.", {".csv"})
         .output_option("--each", request.each,
-                       "one row for each pore and frame; a pore keeps its number, to write (.csv)")
+                       "Also write one row for each pore and frame; a pore keeps its number from frame to frame.",
+                       {".csv"})
         .choice("--method", request.method, {"lids", "two-probes", "outward-vectors"},
-                "lids over the mouths; or, to compare, the thesis' difference of two probes or its outward vectors")
-        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
+                "Method to find the pores: lids closes their mouths; two-probes and outward-vectors are the methods of "
+                "the thesis, for comparison.")
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
-                "a pore is where a ball of this radius fits between the centres; one particle diameter where not "
-                "given, 0.9 with two-probes, 2 around the particles with long outward vectors")
-        .option("--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
-                "what a ball of this radius cannot enter from outside is under a lid, and a pore; half of the sample's "
-                "shortest edge where not given; with two-probes the large probe, five particle diameters")
-        .flag("--closed-only", request.closed_only, "no lids: only the pores that no way leads out of")
-        .option("--least-pore", request.least_pore, cli::Unit::none, cli::not_negative,
-                "pores of less than this many particles' volume are left out")
+                "Take as a pore the space where a ball of this radius fits between the centres; the default is 1 "
+                "particle diameter with lids, 0.9 with two-probes and 2 with outward-vectors.")
+        .option(
+            "--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
+            "Close the mouth of a pore that a ball of this radius cannot enter from outside; the default is half of "
+            "the sample's shortest edge. With two-probes, it is the radius of the large probe; the default is five "
+            "particle diameters.")
+        .flag("--closed-only", request.closed_only, "Measure only pores without a mouth; no lids are used.")
+        .option("--min-pore", request.min_pore, cli::Unit::none, cli::not_negative,
+                "Leave out pores of less than the volume of this many particles.")
         .option("--closed-frame", request.closed_frame, cli::Unit::none, {.low = 0},
-                "two-probes: the frame whose pores are all closed; its difference is taken off")
-        .option("--least-outward", request.least_outward, cli::Unit::length, cli::positive,
-                "outward-vectors: N_mag; 4.6 seed radii where not given")
+                "With two-probes, subtract the difference of this frame, in which all pores are closed.")
+        .option("--min-outward", request.min_outward, cli::Unit::length, cli::positive,
+                "With outward-vectors, take the particles whose outward vector is longer than this (N_mag of the "
+                "thesis); the default is 4.6 seed radii.")
         .exclusive({"--closed-only", "--lid-radius"})
         .threads()
+        .step(cli::Step::measure)
+        .measure({.heading = "Pores",
+                  .results = {{"porosity_last", "porosity", "%", 100},
+                              {"porosity_first", "porosity, first frame", "%", 100},
+                              {"porosity", "porosity", "%", 100},
+                              {"pores_last", "pores", ""},
+                              {"pores", "pores", ""},
+                              {"open_pores_last", "pores with a mouth", ""},
+                              {"open_pores", "pores with a mouth", ""},
+                              {"volume_corrected_last", "volume of the pores", "mm³"},
+                              {"volume_corrected", "volume of the pores", "mm³"}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"porosity", "porosity", "%", 100}}})
         .example("pores run.h5 pores.csv --each each_pore.csv")
         .example("pores run.h5 two_probes.csv --method two-probes --closed-frame 12");
 }
@@ -107,12 +126,13 @@ Measure measure(const Request& request, const RunReader& reader, std::size_t ind
     if (request.method == "lids") {
         result.pores = find_pores(centres, search);
     } else {
-        const double least = tool.given("--least-outward") ? request.least_outward
-                                                           : law::SelfContact::outward_over_seed * packing.seed_radius;
+        const double min_outward = tool.given("--min-outward")
+                                       ? request.min_outward
+                                       : law::SelfContact::outward_over_seed * packing.seed_radius;
         const double reach = law::SelfContact::crown_over_seed * packing.seed_radius;
-        result.pores = pores_by_outward_vectors(centres, outward_vectors(centres, reach), least, search);
+        result.pores = pores_by_outward_vectors(centres, outward_vectors(centres, reach), min_outward, search);
     }
-    result.pores.leave_out_below(request.least_pore * result.pores.solid / double(centres.size()));
+    result.pores.leave_out_below(request.min_pore * result.pores.solid / double(centres.size()));
     return result;
 }
 
@@ -122,7 +142,7 @@ void check(const Request& request, cli::Tool& tool) {
             throw WrongUsage(fmt::format("{} goes with --method {} only", flag, method));
     };
     only_with("--closed-frame", "two-probes");
-    only_with("--least-outward", "outward-vectors");
+    only_with("--min-outward", "outward-vectors");
     only_with("--closed-only", "lids");
     if (request.method == "two-probes" && tool.given("--each"))
         throw WrongUsage("--each: two-probes gives one volume for all pores; take another --method");
@@ -148,7 +168,7 @@ void run(const Request& request, cli::Tool& tool) {
     std::optional<std::size_t> closed;
     if (tool.given("--closed-frame")) closed = checked_frame(request.closed_frame, reader);
 
-    const std::vector<std::size_t> frames = chosen_frames(request.frames, reader.frame_count());
+    const std::vector<std::size_t> frames = cli::chosen_frames(request.frames, reader.frame_count());
     const std::size_t count = frames.size();
     const auto progress = tool.progress("frames", double(count));
     std::vector<Measure> measures(count);
@@ -232,7 +252,7 @@ void run(const Request& request, cli::Tool& tool) {
             "may "
             "take gaps for pores");
     if (two_probes && !closed)
-        tool.warn("the roughness of the outside is in the volume of two-probes; give --closed-frame to take it off");
+        tool.warn("the volume of two-probes includes the roughness of the outside; give --closed-frame to subtract it");
 }
 }  // namespace
 

@@ -12,7 +12,7 @@
 #include "core/base/parallel.hpp"
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
-#include "core/mesh/export_frames.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/packing/packing_file.hpp"
 #include "tools/metrics/curves/strain_curves.hpp"
 #include "tools/metrics/shapes/object_shapes.hpp"
@@ -20,6 +20,8 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::curves;
+using namespace tomodem::shapes;
 
 struct Request {
     std::filesystem::path run, table;
@@ -31,14 +33,25 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"object_shapes",
                       "Centre, volume, ellipsoid of inertia and shape factor of the objects of a run, frame by frame."}
-        .input("RUN", request.run, "run or sample (.h5) whose objects are told apart")
-        .output("TABLE", request.table, "one row for each frame and object, to write (.csv)")
-        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
+        .input("RUN", request.run, "Run or sample (.h5) whose particles carry the number of their object.")
+        .output("TABLE", request.table, "Table to write, with one row for each frame and object.", {".csv"})
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .option("--min-particles", request.min_particles, cli::Unit::particles, {.low = 4},
-                "objects with fewer are left out")
+                "Leave out objects with fewer particles.")
         .flag("--exclude-boundary", request.exclude_boundary,
-              "leave out objects within one particle diameter of the sample's outer box in the first frame")
+              "Leave out objects within one particle diameter of the sample's outer box in the first frame.")
         .threads()
+        .step(cli::Step::measure)
+        .measure({.heading = "Shapes of the objects",
+                  .results = {{"shape_factor_last", "shape factor H/D, mean by volume at the end", ""},
+                              {"shape_factor_first", "shape factor H/D, at the beginning", ""},
+                              {"volume_last", "volume of the objects at the end", "mm³"},
+                              {"volume_first", "volume of the objects at the beginning", "mm³"},
+                              {"objects_used", "objects measured", ""},
+                              {"objects_too_small", "objects too small", ""},
+                              {"objects_at_boundary", "objects left out at the outer faces", ""}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"shape_factor", "shape factor H/D", ""}}})
         .example("object_shapes run.h5 ellipsoids.csv --exclude-boundary")
         .example("object_shapes run.h5 ellipsoids.csv --frames last --json ellipsoids.json");
 }
@@ -93,7 +106,7 @@ std::string followed(const Ellipsoid& ellipsoid) {
 void run(const Request& request, cli::Tool& tool) {
     const RunReader reader(request.run);
     const int axis = load_axis(reader, request.run);
-    const std::vector<std::size_t> frames = chosen_frames(request.frames, reader.frame_count());
+    const std::vector<std::size_t> frames = cli::chosen_frames(request.frames, reader.frame_count());
     const ChosenObjects chosen = choose_objects(reader.packing(), {.min_particles = std::size_t(request.min_particles),
                                                                    .exclude_boundary = request.exclude_boundary});
     const std::vector<Object>& objects = chosen.used;
@@ -105,7 +118,7 @@ void run(const Request& request, cli::Tool& tool) {
     for (const char* column : {"follows [-]", "shape_factor_normalised [-]", "volume_share [-]"})
         columns.push_back(column);
     Table table(columns);
-    std::string json;
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (std::size_t k = 0; k < frames.size(); ++k) {
         const double strain = frame_strain(reader, frames[k]);
         for (std::size_t i = 0; i < objects.size(); ++i) {
@@ -125,11 +138,16 @@ void run(const Request& request, cli::Tool& tool) {
             row.emplace_back(shape.shape_factor / measured[0].shapes[i].shape_factor);
             row.emplace_back(name_of(share));
             table.add(std::move(row));
-            json += fmt::format(R"({}{{"frame":{},"strain":{},"object":{},"species":{},"particles":{},)"
-                                R"("at_boundary":{},{},"follows":"{}","volume_share":"{}"}})",
-                                json.empty() ? "" : ",", frames[k], strain, object.number, object.species,
-                                object.members.size(), object.at_boundary, shape_json(shape), followed(shape.ellipsoid),
-                                name_of(share));
+            nlohmann::ordered_json& json = rows.emplace_back();
+            json = {{"frame", frames[k]},
+                    {"strain", strain},
+                    {"object", object.number},
+                    {"species", object.species},
+                    {"particles", object.members.size()},
+                    {"at_boundary", object.at_boundary}};
+            append_json(shape, json);
+            json["follows"] = followed(shape.ellipsoid);
+            json["volume_share"] = name_of(share);
         }
     }
     table.write(request.table);
@@ -155,7 +173,7 @@ void run(const Request& request, cli::Tool& tool) {
     tool.report("shape_factor_last", mean(measured.back()));
     tool.report("volume_first", volume(measured.front()), "mm^3");
     tool.report("volume_last", volume(measured.back()), "mm^3");
-    tool.report_json("shapes", nlohmann::ordered_json::parse("[" + json + "]"));
+    tool.report_json("shapes", rows);
 }
 }  // namespace
 

@@ -1,0 +1,29 @@
+#include "core/cli/frames_cli.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <numeric>
+
+#include "core/base/error.hpp"
+
+namespace tomodem::cli {
+
+std::vector<std::size_t> chosen_frames(std::string_view choice, std::size_t frame_count) {
+    if (choice == "first") return {0};
+    if (choice == "last") return {frame_count - 1};
+    if (choice == "all") {
+        std::vector<std::size_t> frames(frame_count);
+        std::iota(frames.begin(), frames.end(), 0);
+        return frames;
+    }
+    std::size_t index = 0;
+    const auto [end, error] = std::from_chars(choice.data(), choice.data() + choice.size(), index);
+    if (error != std::errc{} || end != choice.data() + choice.size())
+        throw WrongUsage(fmt::format("--frames '{}': give all, first, last or a number from 0", choice));
+    if (index >= frame_count)
+        throw InvalidInput(fmt::format("--frames {}: the file has frames 0 to {}", index, frame_count - 1));
+    return {index};
+}
+
+}  // namespace tomodem::cli

@@ -1,0 +1,12 @@
+#pragma once
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+namespace tomodem::cli {
+
+/// The frames that --frames names: "all", "first", "last" or a number from 0.
+/// @throws WrongUsage if it is none of these words; InvalidInput if there is no such frame
+std::vector<std::size_t> chosen_frames(std::string_view choice, std::size_t frame_count);
+
+}  // namespace tomodem::cli
