@@ -15,6 +15,24 @@ function(tomodem_tool name source)
     set_property(GLOBAL APPEND PROPERTY TOMODEM_TOOLS ${name})
 endfunction()
 
+# tomodem_measures(FOLDER LIBS ...): every FOLDER/NAME.cpp is a measure of a run, called as NAME RUN TABLE, with a main of its
+# own: executable build/bin/NAME, installed. A new source is found by the next build. With DESTINATION, it is built there
+# and not installed.
+function(tomodem_measures folder)
+    cmake_parse_arguments(arg "" "DESTINATION" "LIBS" ${ARGN})
+    file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+    foreach(source ${sources})
+        cmake_path(GET source STEM name)
+        if(arg_DESTINATION)
+            add_executable(${name} ${source})
+            target_link_libraries(${name} PRIVATE ${arg_LIBS} tomodem_cli tomodem_core tomodem_warnings)
+            set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${arg_DESTINATION})
+        else()
+            tomodem_tool(${name} ${source} LIBS ${arg_LIBS})
+        endif()
+    endforeach()
+endfunction()
+
 # tomodem_python_tool(NAME): the Python files and assets/ of this folder as one executable archive build/bin/NAME, installed.
 function(tomodem_python_tool name)
     file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.py ${CMAKE_CURRENT_SOURCE_DIR}/assets/*)

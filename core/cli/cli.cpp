@@ -364,7 +364,10 @@ struct Tool::Results {
 };
 
 Tool::Tool(const Usage& usage, int argc, const char* const* argv, Voice voice)
-    : name_(usage.tool()), silent_(voice == Voice::silent), results_(std::make_shared<Results>()) {
+    : name_(usage.tool()),
+      silent_(voice == Voice::silent),
+      display_(usage.display()),
+      results_(std::make_shared<Results>()) {
     provenance_.tool = usage.tool();
     provenance_.version = TOMODEM_VERSION;
     std::vector<std::string> words;
@@ -445,6 +448,7 @@ void Tool::write_summary(double wall_seconds) const {
     summary["peak_bytes"] = peak_bytes();
     for (const auto& [key, value] : results_->values.items()) summary[key] = value;
     summary["units"] = results_->units;
+    if (display_) summary["display"] = description(*display_);
     write_text(json_, summary.dump(2) + "\n");
 }
 

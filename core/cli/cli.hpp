@@ -58,7 +58,10 @@ struct Argument {
 enum class Step { image, sample, plan, run, surface, measure, picture };
 
 /// How pages (report, batch, cases) show a measure of a run. They know nothing else about it: a new measure appears on
-/// them by what it declares here.
+/// them by what it declares here. --describe and the summary of --json hold it under `display`.
+///
+/// A result that a run does not have is left out of its summary. Of a table with a column `object`, each object has a
+/// curve of its own; of one with a column `species`, the rows where it is empty are those of all particles.
 struct Display {
     /// A number of the summary, or a column of the table.
     struct Quantity {
@@ -182,6 +185,7 @@ class Tool final : public Reporter {
     std::set<std::string> given_;
     std::map<std::string, std::vector<std::filesystem::path>> inputs_;  ///< the files of each input, by its name
     Provenance provenance_;
+    std::optional<Display> display_;
     struct Results;
     std::shared_ptr<Results> results_;
 };

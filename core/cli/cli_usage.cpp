@@ -319,7 +319,9 @@ nlohmann::ordered_json described(const Display::Quantity& quantity) {
     return {{"key", quantity.key}, {"label", quantity.label}, {"unit", quantity.unit}, {"factor", quantity.factor}};
 }
 
-nlohmann::ordered_json described(const Display& display) {
+}  // namespace
+
+nlohmann::ordered_json description(const Display& display) {
     nlohmann::ordered_json result{{"heading", display.heading},
                                   {"results", nlohmann::ordered_json::array()},
                                   {"x", nullptr},
@@ -329,8 +331,6 @@ nlohmann::ordered_json described(const Display& display) {
     for (const auto& quantity : display.curves) result["curves"].push_back(described(quantity));
     return result;
 }
-
-}  // namespace
 
 nlohmann::ordered_json description(const Usage& usage) {
     nlohmann::ordered_json result{{"name", usage.tool()}, {"purpose", usage.purpose()}};
@@ -348,7 +348,7 @@ nlohmann::ordered_json description(const Usage& usage) {
     }
     result["exclusive"] = usage.exclusives();
     result["examples"] = usage.examples();
-    result["display"] = usage.display() ? described(*usage.display()) : nlohmann::ordered_json(nullptr);
+    result["display"] = usage.display() ? description(*usage.display()) : nlohmann::ordered_json(nullptr);
     return result;
 }
 

@@ -15,6 +15,8 @@ std::string help_text(const Usage& usage);
 /// The tool's section of the reference page, in Markdown.
 std::string reference_page(const Usage& usage);
 
+nlohmann::ordered_json description(const Display& display);
+
 /// All of it for programs (`--describe`): name, purpose, step, arguments, threads, examples, display.
 nlohmann::ordered_json description(const Usage& usage);
 

@@ -35,28 +35,46 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage{"pores", "Volume, surface, mouths and sphericity of the pores of a sample through a run."}
-        .input("RUN", request.run, "run or sample (.h5)")
-        .output("TABLE", request.table, "one row for each frame, to write (.csv)")
+        .input("RUN", request.run, "Run or sample (.h5) to measure.")
+        .output("TABLE", request.table, "Table to write, with one row for each frame.", {".csv"})
         .output_option("--each", request.each,
-                       "one row for each pore and frame; a pore keeps its number, to write (.csv)")
+                       "Also write one row for each pore and frame; a pore keeps its number from frame to frame.",
+                       {".csv"})
         .choice("--method", request.method, {"lids", "two-probes", "outward-vectors"},
-                "lids over the mouths; or, to compare, the thesis' difference of two probes or its outward vectors")
-        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
+                "Method to find the pores: lids closes their mouths; two-probes and outward-vectors are the methods of "
+                "the thesis, for comparison.")
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
-                "a pore is where a ball of this radius fits between the centres; one particle diameter where not "
-                "given, 0.9 with two-probes, 2 around the particles with long outward vectors")
-        .option("--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
-                "what a ball of this radius cannot enter from outside is under a lid, and a pore; half of the sample's "
-                "shortest edge where not given; with two-probes the large probe, five particle diameters")
-        .flag("--closed-only", request.closed_only, "no lids: only the pores that no way leads out of")
+                "Take as a pore the space where a ball of this radius fits between the centres; the default is 1 "
+                "particle diameter with lids, 0.9 with two-probes and 2 with outward-vectors.")
+        .option(
+            "--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
+            "Close the mouth of a pore that a ball of this radius cannot enter from outside; the default is half of "
+            "the sample's shortest edge. With two-probes, it is the radius of the large probe; the default is five "
+            "particle diameters.")
+        .flag("--closed-only", request.closed_only, "Measure only pores without a mouth; no lids are used.")
         .option("--least-pore", request.least_pore, cli::Unit::none, cli::not_negative,
-                "pores of less than this many particles' volume are left out")
+                "Leave out pores of less than the volume of this many particles.")
         .option("--closed-frame", request.closed_frame, cli::Unit::none, {.low = 0},
-                "two-probes: the frame whose pores are all closed; its difference is taken off")
+                "With two-probes, subtract the difference of this frame, in which all pores are closed.")
         .option("--least-outward", request.least_outward, cli::Unit::length, cli::positive,
-                "outward-vectors: N_mag; 4.6 seed radii where not given")
+                "With outward-vectors, take the particles whose outward vector is longer than this (N_mag of the "
+                "thesis); the default is 4.6 seed radii.")
         .exclusive({"--closed-only", "--lid-radius"})
         .threads()
+        .step(cli::Step::measure)
+        .measure({.heading = "Pores",
+                  .results = {{"porosity_last", "porosity", "%", 100},
+                              {"porosity_first", "porosity, first frame", "%", 100},
+                              {"porosity", "porosity", "%", 100},
+                              {"pores_last", "pores", ""},
+                              {"pores", "pores", ""},
+                              {"open_pores_last", "pores with a mouth", ""},
+                              {"open_pores", "pores with a mouth", ""},
+                              {"volume_corrected_last", "volume of the pores", "mm³"},
+                              {"volume_corrected", "volume of the pores", "mm³"}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"porosity", "porosity", "%", 100}}})
         .example("pores run.h5 pores.csv --each each_pore.csv")
         .example("pores run.h5 two_probes.csv --method two-probes --closed-frame 12");
 }

@@ -31,18 +31,29 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"topology",
                       "Parts, handles and pores of a sample through a run, and the events that change them."}
-        .input("RUN", request.run, "run (.h5)")
-        .output("TABLE", request.table, "one row for each frame, to write (.csv)")
-        .output_option("--events", request.events, "one row for each event, to write (.csv)")
+        .input("RUN", request.run, "Run (.h5) to measure.")
+        .output("TABLE", request.table, "Table to write, with one row for each frame.", {".csv"})
+        .output_option("--events", request.events, "Also write one row for each event.", {".csv"})
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
-                "gaps between centres that a ball of this radius cannot enter are filled; one particle diameter where "
-                "not given")
-        .option("--species", request.species, cli::Unit::none, cli::positive, "only the phase of this label")
+                "Fill the gaps between centres that a ball of this radius cannot enter; the default is one particle "
+                "diameter.")
+        .option("--species", request.species, cli::Unit::none, cli::positive, "Measure only the phase of this label.")
         .option("--least-particles", request.least_particles, cli::Unit::particles, {.low = 4},
-                "smaller parts are counted but not followed")
+                "Count parts of fewer particles, but do not follow them from frame to frame.")
         .option("--least-pore", request.least_pore, cli::Unit::none, cli::not_negative,
-                "pores of less than this many particles' volume are counted but not followed")
+                "Count pores of less than the volume of this many particles, but do not follow them from frame to "
+                "frame.")
         .threads()
+        .step(cli::Step::measure)
+        .measure({.heading = "Parts, handles and pores",
+                  .results = {{"b0_first", "parts, first frame", ""},
+                              {"b0_last", "parts, last frame", ""},
+                              {"b1_first", "handles, first frame", ""},
+                              {"b1_last", "handles, last frame", ""},
+                              {"b2_first", "closed pores, first frame", ""},
+                              {"b2_last", "closed pores, last frame", ""}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"b0", "parts", ""}, {"b1", "handles", ""}, {"b2", "closed pores", ""}}})
         .example("topology run.h5 topology.csv --events events.csv");
 }
 

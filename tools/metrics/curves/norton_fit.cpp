@@ -23,11 +23,12 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage{"norton_fit", "Norton law sigma = K rate^M of runs at different strain rates."}
-        .inputs("RUN", request.runs, "runs (.h5), two or more, at different rates")
-        .output("TABLE", request.table, "rate, flow stress and fit of each run, to write (.csv)")
-        .option("--at", request.at, cli::Unit::strain, cli::positive, "|strain| of the flow stress")
+        .inputs("RUN", request.runs, "Two or more runs (.h5) at different strain rates.")
+        .output("TABLE", request.table, "Table to write, with the rate, flow stress and fit of each run.", {".csv"})
+        .option("--at", request.at, cli::Unit::strain, cli::positive, "Measure the flow stress at this |strain|.")
         .option("--window", request.window, cli::Unit::strain, cli::positive,
-                "the flow stress is the mean over |strain| within this distance of --at")
+                "Take the mean over |strain| within this distance of --at as the flow stress.")
+        .step(cli::Step::measure)
         .example("norton_fit slow.h5 middle.h5 fast.h5 norton.csv --at 0.3");
 }
 

@@ -27,16 +27,19 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"local_strain",
                       "Local strain of a run: of each particle's neighbours since a reference, and what is not affine."}
-        .input("RUN", request.run, "run (.h5)")
-        .output("FIELDS", request.fields, "strain of each particle, to write (.h5, and .xdmf for ParaView)")
+        .input("RUN", request.run, "Run (.h5) to measure.")
+        .output("FIELDS", request.fields, "Strain of each particle, to write; beside it a .xdmf for ParaView.", {".h5"})
         .option("--radius", request.radius, cli::Unit::length, cli::positive,
-                "neighbours are those within this distance in the reference; three seed radii where not given")
+                "Take as neighbours the particles within this distance in the reference; the default is three seed "
+                "radii.")
         .option("--reference", request.reference,
-                "frame that the strain is measured from, from 0, or previous: the frame before each")
-        .flag("--within-phase", request.within_phase, "neighbours of the particle's own phase only")
-        .option("--frames", request.frames, "frames to take: all, first, last or a number from 0")
+                "Measure the strain from this frame, counted from 0; previous measures each from the frame before it.")
+        .flag("--within-phase", request.within_phase, "Take only neighbours of the particle's own phase.")
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .output_option("--table", request.table,
-                       "also write means over all particles and over each phase, rows for each frame (.csv)")
+                       "Also write the means over all particles and over each phase, with rows for each frame.",
+                       {".csv"})
+        .step(cli::Step::measure)
         .threads()
         .example("local_strain run.h5 strain.h5 --table strain.csv")
         .example("local_strain run.h5 increments.h5 --reference previous");

@@ -29,17 +29,19 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"local_stress",
                       "Local stress of a run: averaged in space, its equivalent stress with sign, pressure."}
-        .input("RUN", request.run, "run whose scene says [output] stress = true (.h5)")
-        .output("FIELDS", request.fields, "stress of each particle, to write (.h5, and .xdmf for ParaView)")
+        .input("RUN", request.run, "Run (.h5) whose scene says stress = true under [output].")
+        .output("FIELDS", request.fields, "Stress of each particle, to write; beside it a .xdmf for ParaView.", {".h5"})
         .option("--radius", request.radius, cli::Unit::length, cli::positive,
-                "how far the average reaches; three seed radii where not given")
+                "Average over the particles within this distance; the default is three seed radii.")
         .choice("--kernel", request.kernel, {"ball", "gaussian"},
-                "all particles within the radius alike, or a Gaussian of the same width (standard deviation along an "
-                "axis radius / sqrt 5, cut off at 1.5 radii)")
-        .flag("--within-phase", request.within_phase, "average each phase over its own particles only")
-        .option("--frames", request.frames, "frames to take: all, first, last or a number from 0")
+                "Weight of the particles in the average: ball counts all within the radius alike; gaussian has the "
+                "same width (standard deviation along an axis radius / sqrt 5, cut off at 1.5 radii).")
+        .flag("--within-phase", request.within_phase, "Average each phase over its own particles only.")
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .output_option("--table", request.table,
-                       "also write means over all particles and over each phase, rows for each frame (.csv)")
+                       "Also write the means over all particles and over each phase, with rows for each frame.",
+                       {".csv"})
+        .step(cli::Step::measure)
         .threads()
         .example("local_stress run.h5 stress.h5 --radius 1.5mm --table stress.csv");
 }

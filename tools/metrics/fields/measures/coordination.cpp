@@ -21,15 +21,28 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage{"coordination", "Contacts, rattlers and overlaps of the particles along a run."}
-        .input("RUN", request.run, "run or sample (.h5)")
+        .input("RUN", request.run, "Run or sample (.h5) to measure.")
         .output("TABLE", request.table,
-                "for each frame a row of all particles, of each phase and of each pair of phases, to write (.csv)")
+                "Table to write, with one row of all particles, of each phase and of each pair of phases for each "
+                "frame.",
+                {".csv"})
         .option("--reach", request.reach, cli::Unit::none, {.low = 0.5, .high = 3.0},
-                "a contact is a pair nearer than this many times the sum of its radii: 1 for the seeds, r_c / r_s (1.5 "
-                "for BILIN) for the crowns")
-        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
-        .output_option("--fields", request.fields, "also write the contacts of each particle, for ParaView (.h5)")
+                "Count a pair as a contact when its centres are closer than this many times the sum of the two radii: "
+                "1 is the contact of the seeds, r_c / r_s (1.5 for BILIN) that of the crowns.")
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
+        .output_option("--fields", request.fields,
+                       "Also write the contacts of each particle, and beside the file a .xdmf for ParaView.", {".h5"})
         .threads()
+        .step(cli::Step::measure)
+        .measure({.heading = "Contacts of the particles",
+                  .results = {{"mean_coordination_last", "contacts of a particle, mean", ""},
+                              {"backbone_coordination_last", "contacts of a particle, mean without rattlers", ""},
+                              {"rattlers_last", "rattlers", ""},
+                              {"mean_overlap_last", "overlap of a contact, mean", "%", 100},
+                              {"max_overlap_last", "overlap of a contact, largest", "%", 100}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"mean_coordination", "contacts of a particle, mean", ""},
+                             {"backbone_coordination", "contacts of a particle, mean without rattlers", ""}}})
         .example("coordination run.h5 coordination.csv --fields contacts.h5");
 }
 

@@ -31,14 +31,25 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"object_shapes",
                       "Centre, volume, ellipsoid of inertia and shape factor of the objects of a run, frame by frame."}
-        .input("RUN", request.run, "run or sample (.h5) whose objects are told apart")
-        .output("TABLE", request.table, "one row for each frame and object, to write (.csv)")
-        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
+        .input("RUN", request.run, "Run or sample (.h5) whose particles carry the number of their object.")
+        .output("TABLE", request.table, "Table to write, with one row for each frame and object.", {".csv"})
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .option("--min-particles", request.min_particles, cli::Unit::particles, {.low = 4},
-                "objects with fewer are left out")
+                "Leave out objects with fewer particles.")
         .flag("--exclude-boundary", request.exclude_boundary,
-              "leave out objects within one particle diameter of the sample's outer box in the first frame")
+              "Leave out objects within one particle diameter of the sample's outer box in the first frame.")
         .threads()
+        .step(cli::Step::measure)
+        .measure({.heading = "Shapes of the objects",
+                  .results = {{"shape_factor_last", "shape factor H/D, mean by volume at the end", ""},
+                              {"shape_factor_first", "shape factor H/D, at the beginning", ""},
+                              {"volume_last", "volume of the objects at the end", "mm³"},
+                              {"volume_first", "volume of the objects at the beginning", "mm³"},
+                              {"objects_used", "objects measured", ""},
+                              {"objects_too_small", "objects too small", ""},
+                              {"objects_at_boundary", "objects left out at the outer faces", ""}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"shape_factor", "shape factor H/D", ""}}})
         .example("object_shapes run.h5 ellipsoids.csv --exclude-boundary")
         .example("object_shapes run.h5 ellipsoids.csv --frames last --json ellipsoids.json");
 }

@@ -20,14 +20,23 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage{"equilibrium", "Equilibrium error of a run: |F_top + F_bottom| / mean |F|."}
-        .input("RUN", request.run, "run (.h5)")
-        .output("TABLE", request.table, "curve to write (.csv)")
+        .input("RUN", request.run, "Run (.h5) whose forces are compared.")
+        .output("TABLE", request.table, "Table to write, with one row for each point of the curve.", {".csv"})
         .option("--averaging-strain", request.averaging_strain, cli::Unit::strain, cli::not_negative,
-                "width of the sliding window over which each force is averaged before the two are compared; 0: none")
+                "Average each force over a sliding window of this width before the two are compared; 0 does not "
+                "average.")
         .option("--from", request.from, cli::Unit::strain, cli::not_negative,
-                "|strain| from which the error is averaged, past the transient")
+                "Average the error from this |strain| on; choose it beyond the transient at the beginning.")
         .option("--to", request.to, cli::Unit::strain, cli::positive,
-                "|strain| up to which the error is averaged; the largest of the run where not given")
+                "Average the error up to this |strain|; the default is the largest of the run.")
+        .step(cli::Step::measure)
+        .measure({.heading = "Equilibrium",
+                  .results = {{"equilibrium_error", "equilibrium error", "%", 100},
+                              {"equilibrium_error_max", "equilibrium error, largest", "%", 100},
+                              {"abs_strain_from", "averaged from |strain|", ""},
+                              {"abs_strain_to", "averaged to |strain|", ""}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"equilibrium_error", "equilibrium error", "%", 100}}})
         .example("equilibrium run.h5 equilibrium.csv --from 0.2 --to 0.3");
 }
 

@@ -29,14 +29,27 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"control_numbers",
                       "Control numbers of a run: density, stiffness level, inertial number, Q, E_k / E_p."}
-        .input("RUN", request.run, "run written by solve (.h5)")
-        .output("TABLE", request.table, "for each frame a row of all particles and of each phase, to write (.csv)")
-        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
+        .input("RUN", request.run, "Run (.h5) written by solve.")
+        .output("TABLE", request.table,
+                "Table to write, with one row of all particles and one of each phase for each frame.", {".csv"})
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .option("--averaging-strain", request.averaging_strain, cli::Unit::strain, cli::not_negative,
-                "width of the window of strain over which energies are averaged (forces are, by the solver); 0: none")
+                "Average the energies over a window of strain of this width; 0 does not average. The solver has "
+                "already averaged the forces.")
         .output_option("--curve", request.curve,
-                       "also write the numbers at every point of the curves, without density (.csv)")
+                       "Also write the numbers at every point of the run's curves, without the density.", {".csv"})
         .threads()
+        .step(cli::Step::measure)
+        .measure({.heading = "Control numbers of the packing",
+                  .results = {{"density_first", "density D of the packing, first frame", ""},
+                              {"density_last", "density D of the packing, last frame", ""},
+                              {"stiffness_level_last", "stiffness level k/(P d)", ""},
+                              {"inertial_number_last", "inertial number", ""},
+                              {"Q_last", "kinetic energy over P d³", ""},
+                              {"kinetic_over_elastic_last", "kinetic over elastic energy", ""},
+                              {"limits_exceeded", "limits exceeded", ""}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"density", "density D of the packing", ""}}})
         .example("control_numbers run.h5 control.csv --curve control_curve.csv");
 }
 
@@ -124,8 +137,8 @@ int warn_of_leaving(const ControlCurves& curves, const std::vector<PhaseConstant
         if (numbers.least_stiffness_level) softness.see(1.0 / *numbers.least_stiffness_level, strain);
         for (const auto& phase : numbers.phases) chi.see(phase.chi, strain);
     }
-    const int exceeded =
-        inertial.warn_above(inertial_limit, tool) + agitation.warn_above(agitation_limit, tool) + chi.warn_above(chi_limit, tool);
+    const int exceeded = inertial.warn_above(inertial_limit, tool) + agitation.warn_above(agitation_limit, tool) +
+                         chi.warn_above(chi_limit, tool);
     if (!(softness.value > 1.0 / least_stiffness_level)) return exceeded;
     tool.warn(fmt::format(
         "stiffness level {:.3g} at strain {:.3g}, below {:g}: particles overlap by more than a tenth of their "

@@ -22,13 +22,25 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"crystallinity",
                       "Share of the particles in fcc, hcp, bcc or icosahedral order (common-neighbour analysis)."}
-        .input("RUN", request.run, "run or sample (.h5)")
-        .output("TABLE", request.table, "for each frame a row of all particles and of each phase, to write (.csv)")
-        .option("--frames", request.frames, "frames to measure: all, first, last or a number from 0")
+        .input("RUN", request.run, "Run or sample (.h5) to measure.")
+        .output("TABLE", request.table,
+                "Table to write, with one row of all particles and one of each phase for each frame.", {".csv"})
+        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .output_option("--fields", request.fields,
-                       "also write the order of each particle (0 none, 1 fcc, 2 hcp, 3 bcc, 4 icosahedral), for "
-                       "ParaView (.h5)")
+                       "Also write the order of each particle (0 none, 1 fcc, 2 hcp, 3 bcc, 4 icosahedral), and "
+                       "beside the file a .xdmf for ParaView.",
+                       {".h5"})
         .threads()
+        .step(cli::Step::measure)
+        .measure({.heading = "Crystalline order",
+                  .results = {{"crystalline_last", "crystalline particles, of those inside, last frame", "%", 100},
+                              {"crystalline_first", "crystalline particles, of those inside, first frame", "%", 100},
+                              {"fcc_last", "in fcc order", "%", 100},
+                              {"hcp_last", "in hcp order", "%", 100},
+                              {"bcc_last", "in bcc order", "%", 100},
+                              {"icosahedral_last", "in icosahedral order", "%", 100}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"crystalline", "crystalline particles, of those inside", "%", 100}}})
         .example("crystallinity run.h5 crystallinity.csv --fields order.h5");
 }
 

@@ -17,14 +17,26 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage{"stress_strain", "Stress-strain curve of a run, averaged over a window of strain."}
-        .input("RUN", request.run, "run (.h5)")
-        .output("TABLE", request.table, "curve to write (.csv)")
+        .input("RUN", request.run, "Run (.h5) whose curve is measured.")
+        .output("TABLE", request.table, "Table to write, with one row for each point of the curve.", {".csv"})
         .option("--averaging-strain", request.averaging_strain, cli::Unit::strain, cli::not_negative,
-                "width of the sliding window; 0 writes every point as it is")
+                "Average the curve over a sliding window of this width; 0 writes every point as it is.")
         .option("--at", request.at, cli::Unit::strain, cli::positive,
-                "|strain| of the flow stress; where not given, a run that ends before has none")
+                "Measure the flow stress at this |strain|. Without the option, a run that ends before the default "
+                "value has no flow stress.")
         .option("--window", request.window, cli::Unit::strain, cli::positive,
-                "the flow stress is the mean over |strain| within this distance of --at")
+                "Take the mean over |strain| within this distance of --at as the flow stress.")
+        .step(cli::Step::measure)
+        .measure({.heading = "Stress and strain",
+                  .results = {{"flow_stress", "flow stress", "MPa", 1e-6},
+                              {"flow_stress_deviation", "scatter of the flow stress", "MPa", 1e-6},
+                              {"flow_stress_engineering", "flow stress, engineering", "MPa", 1e-6},
+                              {"flow_abs_strain_from", "flow stress measured from |strain|", ""},
+                              {"flow_abs_strain_to", "flow stress measured to |strain|", ""},
+                              {"flow_strain_rate", "strain rate there", "1/s"}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"stress_true", "true stress", "MPa", 1e-6},
+                             {"stress_engineering", "engineering stress", "MPa", 1e-6}}})
         .example("stress_strain run.h5 curve.csv --averaging-strain 0.01 --at 0.3 --window 0.05");
 }
 

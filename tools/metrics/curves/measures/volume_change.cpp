@@ -20,11 +20,18 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage{"volume_change", "Volume of the sample (alpha shape of the centres) along a run."}
-        .input("RUN", request.run, "run (.h5)")
-        .output("TABLE", request.table, "one row for each frame, to write (.csv)")
+        .input("RUN", request.run, "Run (.h5) to measure.")
+        .output("TABLE", request.table, "Table to write, with one row for each frame.", {".csv"})
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
-                "gaps between centres that a ball of this radius cannot enter are filled; one particle diameter where "
-                "not given")
+                "Fill the gaps between centres that a ball of this radius cannot enter; the default is one particle "
+                "diameter.")
+        .step(cli::Step::measure)
+        .measure({.heading = "Volume of the sample",
+                  .results = {{"volume_change_last", "volume change of the solid", "%", 100},
+                              {"volume_change_extreme", "volume change, largest on the way", "%", 100},
+                              {"components_last", "separate parts at the end", ""}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"volume_change", "volume change", "%", 100}}})
         .threads()
         .example("volume_change run.h5 volume.csv --probe-radius 1mm");
 }

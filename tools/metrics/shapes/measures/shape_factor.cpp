@@ -26,13 +26,24 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"shape_factor",
                       "Shape factor S_f = H / D of the objects of a run, H along the load and D across."}
-        .input("RUN", request.run, "run or sample (.h5) whose objects are told apart")
-        .output("TABLE", request.table, "one row for each frame and object, to write (.csv)")
+        .input("RUN", request.run, "Run or sample (.h5) whose particles carry the number of their object.")
+        .output("TABLE", request.table, "Table to write, with one row for each frame and object.", {".csv"})
         .option("--min-particles", request.min_particles, cli::Unit::particles, {.low = 4},
-                "objects with fewer are left out")
+                "Leave out objects with fewer particles.")
         .flag("--exclude-boundary", request.exclude_boundary,
-              "leave out objects within one particle diameter of the sample's outer box in the first frame")
-        .output_option("--means", request.means, "also write the means over the objects, one row for each frame (.csv)")
+              "Leave out objects within one particle diameter of the sample's outer box in the first frame.")
+        .output_option("--means", request.means, "Also write the means over the objects, with one row for each frame.",
+                       {".csv"})
+        .step(cli::Step::measure)
+        .measure({.heading = "Shape factor",
+                  .results = {{"shape_factor_last", "shape factor H/D, mean by volume at the end", ""},
+                              {"shape_factor_last_deviation", "scatter of the objects", ""},
+                              {"shape_factor_first", "shape factor H/D, at the beginning", ""},
+                              {"objects_used", "objects measured", ""},
+                              {"objects_too_small", "objects too small", ""},
+                              {"objects_at_boundary", "objects left out at the outer faces", ""}},
+                  .x = {"strain", "true strain", ""},
+                  .curves = {{"shape_factor", "shape factor H/D", ""}}})
         .example("shape_factor run.h5 shapes.csv --means means.csv --exclude-boundary");
 }
 
