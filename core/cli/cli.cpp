@@ -411,6 +411,12 @@ void Tool::report_json(const std::string& key, const nlohmann::ordered_json& val
     results_->values[key] = value;
 }
 
+void Tool::report_lines(const std::string& key, const std::vector<std::string>& lines) {
+    results_->values[key] = lines;
+    if (quiet_ || silent_) return;
+    for (const std::string& line : lines) std::printf("%s\n", line.c_str());
+}
+
 void Tool::note(const std::string& line) {
     if (!quiet_ && !silent_) std::fprintf(stderr, "%s: %s\n", name_.c_str(), line.c_str());
 }

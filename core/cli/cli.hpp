@@ -159,6 +159,9 @@ class Tool final : public Reporter {
     /// A result that is a table or a list; it goes to --json only.
     void report_json(const std::string& key, const nlohmann::ordered_json& value) override;
 
+    /// A list that is the tool's answer: printed on stdout line by line, without the key.
+    void report_lines(const std::string& key, const std::vector<std::string>& lines);
+
     /// A line on stderr, hidden by --quiet. `warn` is shown always.
     void note(const std::string& line) override;
     void warn(const std::string& line) override;

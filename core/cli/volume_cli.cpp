@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "core/base/units.hpp"
+#include "core/volume/volume_files.hpp"
+#include "core/volume/volume_format.hpp"
 
 namespace tomodem {
 namespace {
@@ -43,9 +45,10 @@ std::int32_t whole_number(const std::string& flag, const std::string& text, std:
 
 cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request) {
     return usage
-        .input("volume", request.path, volume_files,
-               "tomography: TIFF, folder of numbered slices, 'pattern*.tif', HDF5 (FILE.h5:/dataset), MetaImage, NRRD, "
-               "ESRF .vol or .raw, .vdb")
+        .input("VOLUME", request.path, volume_files,
+               fmt::format("Tomography: a file ({}), a folder of numbered slices, a pattern ('scan_*.tif'), or a "
+                           "dataset (FILE.h5:/path).",
+                           volume_format_names()))
         .option("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive,
                 "edge of a voxel; needed where the file does not say it, checked where it does")
         .option("--slice-spacing", request.slice_spacing, cli::Unit::length, cli::positive,

@@ -1,12 +1,11 @@
 #include "core/volume/volume_source.hpp"
 
-#include <glob.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <functional>
 
-#include "core/volume/formats/formats.hpp"
-#include "core/volume/formats/tiff_file.hpp"
+#include "core/volume/reading/locate.hpp"
+#include "core/volume/reading/reading.hpp"
 
 namespace tomodem {
 namespace {
@@ -33,64 +32,46 @@ constexpr std::array<TypeNames, 10> types{{
     {VoxelType::float64, 8, {"float64", "f64", "double"}},
 }};
 
-/// FILE.h5:/path/of/dataset in two parts; the second is empty where there is none.
-std::pair<std::string, std::string> split_dataset(const std::string& spec) {
-    for (std::size_t colon = spec.find(':'); colon != std::string::npos; colon = spec.find(':', colon + 1))
-        if (fs::is_regular_file(spec.substr(0, colon))) return {spec.substr(0, colon), spec.substr(colon + 1)};
-    return {spec, ""};
+/// Names or extensions of the formats that can do something, for messages.
+std::string list_of(bool (*can)(const VolumeFormat&), bool extensions) {
+    std::vector<std::string> texts;
+    for (const VolumeFormat& format : volume_formats()) {
+        if (!can(format)) continue;
+        if (extensions)
+            texts.insert(texts.end(), format.extensions.begin(), format.extensions.end());
+        else
+            texts.push_back(format.name);
+    }
+    return fmt::format("{}", fmt::join(texts, " or "));
 }
 
-bool is_slice(const fs::path& path) {
-    const std::string extension = formats::lower_case(path.extension().string());
-    return (extension == ".tif" || extension == ".tiff") && !path.filename().string().starts_with('.') &&
-           fs::is_regular_file(path);
+bool has_slices(const VolumeFormat& format) {
+    return bool(format.open_slices);
 }
 
-std::vector<fs::path> slices_of_folder(const fs::path& folder) {
-    std::vector<fs::path> files;
-    std::error_code error;
-    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-        if (is_slice(it->path())) files.push_back(it->path());
-    if (error) cannot_read(folder, error.message());
-    if (files.empty()) cannot_read(folder, "the folder has no slice (no file ending in .tif or .tiff)");
-    return files;
+std::unique_ptr<VolumeSource> open_series(formats::Located found, const std::string& spec) {
+    if (found.files.empty())
+        cannot_read(spec, found.is_pattern ? "no file has a name like that"
+                                           : fmt::format("the folder has no slice (no file ending in {})",
+                                                         list_of(has_slices, true)));
+    std::vector<fs::path> slices = formats::in_order_of_numbers(std::move(found.files), spec);
+    const VolumeFormat* format = formats::format_of(slices.front());
+    if (!format || !format->open_slices)
+        cannot_read(spec, fmt::format("'{}' is no slice; a series of slices has the format {}",
+                                      slices.front().filename().string(), list_of(has_slices, false)));
+    return format->open_slices(std::move(slices), spec);
 }
 
-/// Files that a pattern with * ? [] names.
-std::vector<fs::path> matches(const std::string& pattern) {
-    glob_t found{};
-    const std::unique_ptr<glob_t, decltype(&globfree)> guard(&found, &globfree);
-    std::vector<fs::path> files;
-    if (glob(pattern.c_str(), 0, nullptr, &found) == 0)
-        for (std::size_t i = 0; i < found.gl_pathc; ++i)
-            if (fs::is_regular_file(found.gl_pathv[i])) files.emplace_back(found.gl_pathv[i]);
-    return files;
-}
-
-bool is_pattern(const std::string& spec) {
-    return spec.find_first_of("*?[") != std::string::npos;
-}
-
-std::unique_ptr<VolumeSource> open_file(const std::string& spec) {
-    const auto [name, dataset] = split_dataset(spec);
-    const fs::path path = name;
-    const std::string start = formats::first_bytes(path, 8);
-    if (start.empty()) cannot_read(path, "the file is empty");
-    if (start.starts_with("\x89HDF\r\n\x1a\n")) return formats::open_hdf5(path, dataset);
-    if (!dataset.empty()) cannot_read(path, fmt::format("only an HDF5 file has a dataset ':{}'", dataset));
-    if (formats::is_tiff(start)) return formats::open_tiff(path);
-    if (start.starts_with("NRRD")) return formats::open_nrrd(path);
-    static const std::map<std::string, std::unique_ptr<VolumeSource> (*)(const fs::path&)> by_extension{
-        {".mhd", formats::open_metaimage}, {".mha", formats::open_metaimage}, {".vol", formats::open_esrf},
-        {".raw", formats::open_esrf},      {".info", formats::open_esrf},     {".xml", formats::open_esrf},
-        {".vdb", formats::open_vdb},       {".tif", formats::open_tiff},      {".tiff", formats::open_tiff}};
-    if (const auto found = by_extension.find(formats::lower_case(path.extension().string()));
-        found != by_extension.end())
-        return found->second(path);
-    cannot_read(
-        path,
-        "it is of no known format (TIFF, HDF5, MetaImage, NRRD, ESRF .vol or .raw with .info or .xml, OpenVDB); "
-        "for raw voxels give --raw-size and --raw-type");
+std::unique_ptr<VolumeSource> open_file(const fs::path& path, const std::string& dataset) {
+    const VolumeFormat* format = formats::format_of(path);
+    if (!dataset.empty() && !(format && format->has_datasets))
+        cannot_read(path,
+                    fmt::format("only a file of the format {} has a dataset ':{}'",
+                                list_of([](const VolumeFormat& one) { return one.has_datasets; }, false), dataset));
+    if (!format)
+        cannot_read(path, fmt::format("it is of no known format ({}); for raw voxels give --raw-size and --raw-type",
+                                      volume_format_names()));
+    return format->open(path, dataset);
 }
 
 }  // namespace
@@ -115,40 +96,18 @@ std::optional<VoxelType> voxel_type(const std::string& name) {
 
 std::unique_ptr<VolumeSource> open_volume(const std::string& spec, const std::optional<RawLayout>& raw) {
     std::error_code error;
-    const bool there = fs::exists(spec, error);
     if (raw) {
-        if (!there) cannot_read(spec, "it does not exist");
+        if (!fs::exists(spec, error)) cannot_read(spec, "it does not exist");
         VolumeHeader header;
         header.format = "raw voxels";
         header.size = raw->size;
         header.type = raw->type;
         return formats::open_raw(std::move(header), {{spec}, raw->offset, raw->big_endian});
     }
-    if (there && fs::is_directory(spec))
-        return formats::open_tiff_slices(formats::in_order_of_numbers(slices_of_folder(spec), spec), spec);
-    if (!there && is_pattern(spec)) {
-        std::vector<fs::path> files = matches(spec);
-        if (files.empty()) cannot_read(spec, "no file has a name like that");
-        return formats::open_tiff_slices(formats::in_order_of_numbers(std::move(files), spec), spec);
-    }
-    if (!there && !fs::is_regular_file(split_dataset(spec).first)) cannot_read(spec, "it does not exist");
-    return open_file(spec);
-}
-
-std::vector<fs::path> volume_files(const std::string& spec) {
-    std::error_code error;
-    if (fs::exists(spec, error)) {
-        if (fs::is_directory(spec, error)) return {spec};
-        try {
-            return open_volume(spec)->header().files;
-        } catch (const InvalidInput&) {
-            return {spec};  // raw voxels, or damage that reading will name
-        }
-    }
-    if (const fs::path file = split_dataset(spec).first; fs::is_regular_file(file)) return {file};
-    if (is_pattern(spec))
-        if (auto files = matches(spec); !files.empty()) return files;
-    return {};
+    formats::Located found = formats::locate(spec);
+    if (found.is_folder || found.is_pattern) return open_series(std::move(found), spec);
+    if (found.files.empty()) cannot_read(spec, "it does not exist");
+    return open_file(found.files.front(), found.dataset);
 }
 
 }  // namespace tomodem

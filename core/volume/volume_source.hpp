@@ -2,12 +2,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include "core/packing/packing.hpp"
 
@@ -62,8 +60,7 @@ struct VolumeHeader {
     /// Edges of a voxel: in mm, or where the format has no unit, in relation to each other only.
     std::optional<Vec3> spacing;
     bool spacing_has_unit = false;
-    std::optional<Vec3> origin;                ///< world coordinates of the corner of the first voxel [mm]
-    std::vector<std::filesystem::path> files;  ///< that it is made of
+    std::optional<Vec3> origin;  ///< world coordinates of the corner of the first voxel [mm]
 };
 
 /// The part of every slice that is wanted, in voxels.
@@ -109,9 +106,5 @@ struct RawLayout {
 /// @param raw   given: the file is raw voxels
 /// @throws InvalidInput: not there, of no known format, cut, damaged
 std::unique_ptr<VolumeSource> open_volume(const std::string& spec, const std::optional<RawLayout>& raw = {});
-
-/// The files that a volume is made of: what its digest covers, and what must exist before a tool starts.
-/// @throws InvalidInput if there is none
-std::vector<std::filesystem::path> volume_files(const std::string& spec);
 
 }  // namespace tomodem

@@ -5,7 +5,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/output_file.hpp"
-#include "core/volume/formats/tiff_file.hpp"
+#include "core/volume/reading/tiff_file.hpp"
 #include "core/volume/volume.hpp"
 
 namespace tomodem {

@@ -8,6 +8,7 @@
 #include "core/cli/cli.hpp"
 #include "core/cli/volume_cli.hpp"
 #include "core/packing/packing_file.hpp"
+#include "core/volume/volume_files.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
 #include "tools/vol2pack/phase_clock.hpp"
 #include "tools/vol2pack/phase_report.hpp"

@@ -1,4 +1,4 @@
-// volume_info: what a segmented tomography holds.
+// volume_info: what a segmented tomography holds, the files it is made of, and the volumes in a folder.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,27 +6,51 @@
 
 #include "core/cli/cli.hpp"
 #include "core/cli/volume_cli.hpp"
+#include "core/volume/volume_files.hpp"
 
+namespace tomodem::volume_info {
 namespace {
-using namespace tomodem;
 
 struct Request {
     VolumeRequest volume;
     std::int64_t min_component = 27;
+    bool files = false, find = false;
 };
 
 cli::Usage usage(Request& request) {
-    cli::Usage usage("volume_info", "Size, labels and connected components of a segmented tomography.");
+    cli::Usage usage("volume_info", "Report size, labels and connected components of a segmented tomography.");
     add_volume(usage, request.volume)
         .option("--min-component", request.min_component, cli::Unit::voxels, cli::positive,
-                "also count the components of at least this size")
+                "Also report how many connected components have at least this size.")
+        .flag("--files", request.files,
+              "Only list the files that the volume is made of, one per line (key files); its voxels are not read.")
+        .flag("--find", request.find,
+              "Only list the volumes in the folder VOLUME, one per line (key volumes); a folder of slices is one.")
+        .exclusive({"--files", "--find"})
         .example("volume_info stack/ --voxel-size 2.4um")
         .example("volume_info scan.h5:/exchange/data --voxel-size 2.4um --bin 4 --otsu 1")
-        .example("volume_info grey.tif --voxel-size 19.5um --threshold 83 --json info.json");
+        .example("volume_info grey.tif --voxel-size 19.5um --threshold 83 --json info.json")
+        .example("volume_info scan.mhd --files")
+        .example("volume_info scans/ --find")
+        .step(cli::Step::image);
     return usage;
 }
 
+void list_paths(const std::string& key, const std::vector<std::filesystem::path>& paths, cli::Tool& tool) {
+    tool.report_lines(key, {paths.begin(), paths.end()});
+}
+
 void run(const Request& request, cli::Tool& tool) {
+    if (request.files) {
+        const auto files = volume_files(request.volume.path);
+        if (std::filesystem::is_directory(files.front())) open_volume(request.volume.path);  // names what is missing
+        list_paths("files", files, tool);
+        return;
+    }
+    if (request.find) {
+        list_paths("volumes", find_volumes(request.volume.path), tool);
+        return;
+    }
     const LabelVolume volume = read_volume(request.volume, volume_options(request.volume), tool);
     const VoxelIndex size = volume.size();
     const Vec3 extent = volume.extent();
@@ -74,8 +98,10 @@ void run(const Request& request, cli::Tool& tool) {
     }
     tool.report_json("labels", table);
 }
+
 }  // namespace
+}  // namespace tomodem::volume_info
 
 int main(int argc, char** argv) {
-    return cli::main(argc, argv, usage, run);
+    return tomodem::cli::main(argc, argv, tomodem::volume_info::usage, tomodem::volume_info::run);
 }

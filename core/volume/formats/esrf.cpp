@@ -4,7 +4,8 @@
 #include <fstream>
 #include <functional>
 
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
+#include "core/volume/volume_format.hpp"
 
 namespace tomodem::formats {
 namespace {
@@ -49,22 +50,27 @@ fs::path with_suffix(fs::path path, const char* suffix) {
     return path += suffix;
 }
 
-}  // namespace
-
-Source open_esrf(const fs::path& file) {
+bool is_description(const fs::path& file) {
     const std::string extension = lower_case(file.extension().string());
-    const bool is_description = extension == ".info" || extension == ".xml";
-    const fs::path data = is_description ? fs::path(file).replace_extension() : file;
-    fs::path description = file;
-    if (!is_description) {
-        description = with_suffix(file, ".info");
-        if (!fs::exists(description)) description = with_suffix(file, ".xml");
-        if (!fs::exists(description))
-            cannot_read(file,
-                        fmt::format("there is no '{}.info' or '.xml' beside it; give its layout with --raw-size and "
-                                    "--raw-type",
-                                    file.filename().string()));
-    }
+    return extension == ".info" || extension == ".xml";
+}
+
+struct Parts {
+    fs::path description, data;
+};
+
+Parts parts_of(const fs::path& file) {
+    if (is_description(file)) return {file, fs::path(file).replace_extension()};
+    const fs::path info = with_suffix(file, ".info");
+    return {fs::exists(info) ? info : with_suffix(file, ".xml"), file};
+}
+
+Source open_esrf(const fs::path& file, const std::string&) {
+    const auto [description, data] = parts_of(file);
+    if (!fs::exists(description))
+        cannot_read(file, fmt::format("there is no '{}.info' or '.xml' beside it; give its layout with --raw-size and "
+                                      "--raw-type",
+                                      file.filename().string()));
     const bool info = lower_case(description.extension().string()) == ".info";
     const auto fields = info ? fields_of_info(description) : fields_of_xml(description);
     const auto field = [&](std::initializer_list<const char*> names) -> const std::string* {
@@ -83,7 +89,6 @@ Source open_esrf(const fs::path& file) {
 
     VolumeHeader header;
     header.format = "ESRF volume";
-    header.files = {description, data};
     for (int axis = 0; axis < 3; ++axis) header.size[axis] = static_cast<std::int32_t>(size[axis]);
     if (const std::string* text = field({"voxelsize", "voxel_size"})) {
         constexpr double micrometre = 1e-3;
@@ -103,4 +108,16 @@ Source open_esrf(const fs::path& file) {
     return open_raw(std::move(header), where);
 }
 
+const RegisteredFormat esrf{{
+    .name = "ESRF .vol or .raw with .info or .xml",
+    .extensions = {".vol", ".raw"},
+    .sniff = [](const std::string&, const fs::path& file) { return is_description(file); },
+    .companions = [](const fs::path& file) -> std::vector<fs::path> {
+        const auto [description, data] = parts_of(file);
+        return {description, data};
+    },
+    .open = open_esrf,
+}};
+
+}  // namespace
 }  // namespace tomodem::formats

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
+#include "core/volume/volume_format.hpp"
 
 namespace tomodem::formats {
 namespace {
@@ -178,7 +179,6 @@ class Hdf5Source : public VolumeSource {
           file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, failure_),
           dataset_(open_dataset(wanted)) {
         header_.format = "HDF5 " + name_;
-        header_.files = {path};
         const Hdf5Handle space(H5Dget_space(dataset_), H5Sclose, failure_);
         const int dimensions = H5Sget_simple_extent_ndims(space);
         if (dimensions != 3)
@@ -240,10 +240,21 @@ class Hdf5Source : public VolumeSource {
     Hdf5Handle file_, dataset_;
 };
 
-}  // namespace
-
-Source open_hdf5(const fs::path& file, const std::string& dataset) {
-    return in_own_process(file, "HDF5", [&] { return std::make_unique<Hdf5Source>(file, dataset); });
+bool is_hdf5(const std::string& start) {
+    return start.starts_with("\x89HDF\r\n\x1a\n");
 }
+
+const RegisteredFormat hdf5{{
+    .name = "HDF5",
+    .extensions = {".h5", ".hdf5"},
+    .sniff = [](const std::string& start, const fs::path&) { return is_hdf5(start); },
+    .open = [](const fs::path& file, const std::string& dataset) -> Source {
+        if (!is_hdf5(first_bytes(file, 8))) cannot_read(file, "it is not an HDF5 file, or damaged");
+        return in_own_process(file, "HDF5", [&] { return std::make_unique<Hdf5Source>(file, dataset); });
+    },
+    .has_datasets = true,
+}};
+
+}  // namespace
 
 }  // namespace tomodem::formats

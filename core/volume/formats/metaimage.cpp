@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <fstream>
 
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
+#include "core/volume/volume_format.hpp"
 
 namespace tomodem::formats {
 namespace {
@@ -10,6 +11,11 @@ struct MetaHeader {
     std::map<std::string, std::string> fields;  // by key in lower case
     std::vector<std::string> list;              // lines behind "ElementDataFile = LIST"
     std::int64_t bytes = 0;                     // up to the voxels, where they follow
+
+    std::string text(const std::string& key, const std::string& otherwise) const {
+        const auto found = fields.find(key);
+        return found == fields.end() ? otherwise : found->second;
+    }
 };
 
 MetaHeader read_header(const fs::path& path) {
@@ -58,20 +64,54 @@ std::string numbered(const fs::path& path, const std::string& pattern, std::int6
     return pattern.substr(0, percent) + digits + pattern.substr(letter + 1);
 }
 
-}  // namespace
-
-Source open_metaimage(const fs::path& file) {
-    const MetaHeader meta = read_header(file);
-    const auto text = [&](const std::string& key, const std::string& otherwise) {
-        const auto found = meta.fields.find(key);
-        return found == meta.fields.end() ? otherwise : found->second;
-    };
-    const auto is_true = [&](const std::string& key) { return lower_case(text(key, "false")).starts_with('t'); };
-    const std::int64_t dimensions = whole_number_in(file, "NDims", text("ndims", ""));
-    const std::vector<std::string> sizes = words_of(text("dimsize", ""));
+std::array<std::int64_t, 3> size_of(const fs::path& file, const MetaHeader& meta) {
+    const std::int64_t dimensions = whole_number_in(file, "NDims", meta.text("ndims", ""));
+    const std::vector<std::string> sizes = words_of(meta.text("dimsize", ""));
     if ((dimensions != 2 && dimensions != 3) || static_cast<std::int64_t>(sizes.size()) != dimensions)
         cannot_read(
             file, fmt::format("it has {} dimensions and {} sizes (DimSize); a volume has 3", dimensions, sizes.size()));
+    std::array<std::int64_t, 3> size{1, 1, 1};
+    for (std::size_t axis = 0; axis < sizes.size(); ++axis) size[axis] = whole_number_in(file, "DimSize", sizes[axis]);
+    check_size(file, size);
+    return size;
+}
+
+/// The files with the voxels; the header itself where they follow it.
+std::vector<fs::path> data_files(const fs::path& file, const MetaHeader& meta, std::int64_t slices) {
+    const fs::path folder = file.parent_path();
+    const std::string data = meta.text("elementdatafile", "");
+    const std::vector<std::string> words = words_of(data);
+    if (lower_case(data) == "local") return {file};
+    std::vector<fs::path> files;
+    if (!meta.list.empty()) {
+        for (const auto& name : meta.list) files.push_back(folder / name);
+    } else if (words.size() >= 3 && data.find('%') != std::string::npos) {
+        const std::int64_t first = whole_number_in(file, "ElementDataFile", words[1]);
+        const std::int64_t last = whole_number_in(file, "ElementDataFile", words[2]);
+        const std::int64_t step = words.size() > 3 ? whole_number_in(file, "ElementDataFile", words[3]) : 1;
+        if (step < 1 || last < first || (last - first) / step >= slices)
+            cannot_read(file, fmt::format("its file pattern '{}' does not fit {} slices", data.substr(0, 60), slices));
+        for (std::int64_t number = first; number <= last; number += step)
+            files.push_back(folder / numbered(file, words[0], number));
+    } else if (!data.empty() && lower_case(data) != "list") {
+        files = {folder / data};
+    }
+    if (files.empty()) cannot_read(file, "its header names no data file (ElementDataFile)");
+    return files;
+}
+
+std::vector<fs::path> companions(const fs::path& file) {
+    const MetaHeader meta = read_header(file);
+    std::vector<fs::path> files = data_files(file, meta, size_of(file, meta)[2]);
+    if (files.front() != file) files.insert(files.begin(), file);
+    return files;
+}
+
+Source open_metaimage(const fs::path& file, const std::string&) {
+    const MetaHeader meta = read_header(file);
+    const auto text = [&](const std::string& key, const std::string& otherwise) { return meta.text(key, otherwise); };
+    const auto is_true = [&](const std::string& key) { return lower_case(text(key, "false")).starts_with('t'); };
+    const std::array<std::int64_t, 3> size = size_of(file, meta);
     if (const auto channels = whole_number_in(file, "ElementNumberOfChannels", text("elementnumberofchannels", "1"));
         channels != 1)
         cannot_read(file, fmt::format("it has {} values a voxel; save it with one", channels));
@@ -81,9 +121,6 @@ Source open_metaimage(const fs::path& file) {
     VolumeHeader header;
     header.format = "MetaImage";
     header.type = type_of(file, text("elementtype", ""));
-    std::array<std::int64_t, 3> size{1, 1, 1};
-    for (std::size_t axis = 0; axis < sizes.size(); ++axis) size[axis] = whole_number_in(file, "DimSize", sizes[axis]);
-    check_size(file, size);
     for (int axis = 0; axis < 3; ++axis) header.size[axis] = static_cast<std::int32_t>(size[axis]);
 
     const std::vector<std::string> spacing = words_of(text("elementspacing", text("elementsize", "")));
@@ -107,27 +144,9 @@ Source open_metaimage(const fs::path& file) {
     RawVoxels where;
     where.big_endian = is_true("binarydatabyteordermsb") || is_true("elementbyteordermsb");
     where.deflated = is_true("compresseddata");
-    const fs::path folder = file.parent_path();
-    const std::string data = text("elementdatafile", "");
-    const std::vector<std::string> words = words_of(data);
     const std::int64_t header_bytes = whole_number_in(file, "HeaderSize", text("headersize", "0"));
-    if (lower_case(data) == "local") {
-        where.files = {file};
-        where.offset = meta.bytes;
-    } else if (!meta.list.empty()) {
-        for (const auto& name : meta.list) where.files.push_back(folder / name);
-    } else if (words.size() >= 3 && data.find('%') != std::string::npos) {
-        const std::int64_t first = whole_number_in(file, "ElementDataFile", words[1]);
-        const std::int64_t last = whole_number_in(file, "ElementDataFile", words[2]);
-        const std::int64_t step = words.size() > 3 ? whole_number_in(file, "ElementDataFile", words[3]) : 1;
-        if (step < 1 || last < first || (last - first) / step >= size[2])
-            cannot_read(file, fmt::format("its file pattern '{}' does not fit {} slices", data.substr(0, 60), size[2]));
-        for (std::int64_t number = first; number <= last; number += step)
-            where.files.push_back(folder / numbered(file, words[0], number));
-    } else if (!data.empty() && lower_case(data) != "list") {
-        where.files = {folder / data};
-    }
-    if (where.files.empty()) cannot_read(file, "its header names no data file (ElementDataFile)");
+    where.files = data_files(file, meta, size[2]);
+    if (where.files.front() == file) where.offset = meta.bytes;
     if (where.deflated && where.files.size() > 1)
         cannot_read(file, "it has compressed voxels in several files; save it as one .mha");
     if (header_bytes > 0 && where.files.front() != file) where.offset = header_bytes;
@@ -138,9 +157,15 @@ Source open_metaimage(const fs::path& file) {
                        size[0] * size[1] * slices * static_cast<std::int64_t>(bytes_of(header.type));
         if (where.offset < 0) cannot_read(where.files.front(), "it is shorter than its header says; it is cut");
     }
-    header.files = where.files;
-    if (where.files.front() != file) header.files.insert(header.files.begin(), file);
     return open_raw(std::move(header), where);
 }
 
+const RegisteredFormat metaimage{{
+    .name = "MetaImage",
+    .extensions = {".mhd", ".mha"},
+    .companions = companions,
+    .open = open_metaimage,
+}};
+
+}  // namespace
 }  // namespace tomodem::formats

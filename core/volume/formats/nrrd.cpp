@@ -1,6 +1,7 @@
 #include <fstream>
 
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
+#include "core/volume/volume_format.hpp"
 
 namespace tomodem::formats {
 namespace {
@@ -8,6 +9,13 @@ namespace {
 struct NrrdHeader {
     std::map<std::string, std::string> fields;  // by name in lower case
     std::int64_t bytes = 0;                     // up to the voxels, where they follow
+
+    /// The first of these fields that there is; empty if there is none.
+    std::string text(std::initializer_list<const char*> names) const {
+        for (const char* name : names)
+            if (const auto found = fields.find(name); found != fields.end()) return found->second;
+        return "";
+    }
 };
 
 NrrdHeader read_header(const fs::path& path) {
@@ -83,15 +91,23 @@ std::optional<double> unit_in(const fs::path& path, const std::string& text) {
     return unit;
 }
 
-}  // namespace
+/// The file with the voxels; the header itself where they follow it.
+fs::path data_file(const fs::path& file, const NrrdHeader& nrrd) {
+    const std::string data = nrrd.text({"data file", "datafile"});
+    if (data.empty()) return file;
+    if (lower_case(data).starts_with("list") || data.find('%') != std::string::npos)
+        cannot_read(file, "its voxels lie in several files; save it with one data file");
+    return file.parent_path() / data;
+}
 
-Source open_nrrd(const fs::path& file) {
+std::vector<fs::path> companions(const fs::path& file) {
+    const fs::path data = data_file(file, read_header(file));
+    return data == file ? std::vector{file} : std::vector{file, data};
+}
+
+Source open_nrrd(const fs::path& file, const std::string&) {
     const NrrdHeader nrrd = read_header(file);
-    const auto text = [&](std::initializer_list<const char*> names) -> std::string {
-        for (const char* name : names)
-            if (const auto found = nrrd.fields.find(name); found != nrrd.fields.end()) return found->second;
-        return "";
-    };
+    const auto text = [&](std::initializer_list<const char*> names) { return nrrd.text(names); };
     const std::int64_t dimensions = whole_number_in(file, "dimension", text({"dimension"}));
     const std::vector<std::string> sizes = words_of(text({"sizes"}));
     if ((dimensions != 2 && dimensions != 3) || static_cast<std::int64_t>(sizes.size()) != dimensions)
@@ -135,15 +151,8 @@ Source open_nrrd(const fs::path& file) {
     where.deflated = encoding == "gzip" || encoding == "gz";
     if (!where.deflated && encoding != "raw")
         cannot_read(file, fmt::format("its encoding is '{}'; save it as raw or gzip", encoding.substr(0, 20)));
-    const std::string data = text({"data file", "datafile"});
-    if (data.empty()) {
-        where.files = {file};
-        where.offset = nrrd.bytes;
-    } else {
-        if (lower_case(data).starts_with("list") || data.find('%') != std::string::npos)
-            cannot_read(file, "its voxels lie in several files; save it with one data file");
-        where.files = {file.parent_path() / data};
-    }
+    where.files = {data_file(file, nrrd)};
+    if (where.files.front() == file) where.offset = nrrd.bytes;
     const std::string skip = text({"byte skip", "byteskip"}), lines = text({"line skip", "lineskip"});
     if (!lines.empty() && whole_number_in(file, "line skip", lines) != 0)
         cannot_read(file, "it skips lines before its voxels; save it without");
@@ -153,9 +162,17 @@ Source open_nrrd(const fs::path& file) {
         where.offset = bytes == -1 ? file_bytes(where.files.front()) - all : where.offset + bytes;
         if (where.offset < 0) cannot_read(where.files.front(), "it is shorter than its header says; it is cut");
     }
-    header.files = where.files;
-    if (!data.empty()) header.files.insert(header.files.begin(), file);
     return open_raw(std::move(header), where);
 }
+
+const RegisteredFormat nrrd_format{{
+    .name = "NRRD",
+    .extensions = {".nrrd", ".nhdr"},
+    .sniff = [](const std::string& start, const fs::path&) { return start.starts_with("NRRD"); },
+    .companions = companions,
+    .open = open_nrrd,
+}};
+
+}  // namespace
 
 }  // namespace tomodem::formats

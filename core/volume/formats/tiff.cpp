@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdarg>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "core/base/parallel.hpp"
-#include "core/volume/formats/formats.hpp"
-#include "core/volume/formats/tiff_file.hpp"
+#include "core/volume/reading/reading.hpp"
+#include "core/volume/reading/tiff_file.hpp"
+#include "core/volume/volume_format.hpp"
 
 namespace tomodem::formats {
 namespace {
@@ -313,38 +313,8 @@ Source open_imagej_planes(const TiffFile& tiff, const Layout& layout, std::int64
     return open_raw(std::move(header), where);
 }
 
-}  // namespace
-
-bool is_tiff(const std::string& first_bytes) {
-    using namespace std::string_view_literals;
-    const std::string_view found = std::string_view(first_bytes).substr(0, 4);
-    return found == "II*\0"sv || found == "MM\0*"sv || found == "II+\0"sv || found == "MM\0+"sv;
-}
-
-TiffFile::TiffFile(const fs::path& path, const char* mode) : path_(path) {
-    TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
-    TIFFOpenOptionsSetErrorHandlerExtR(options, keep_first_error, this);
-    TIFFOpenOptionsSetWarningHandlerExtR(options, ignore_warning, this);
-    handle_ = TIFFOpenExt(path.c_str(), mode, options);
-    TIFFOpenOptionsFree(options);
-}
-
-void TiffFile::close() {
-    if (handle_) TIFFClose(handle_);
-    handle_ = nullptr;
-}
-
-int TiffFile::keep_first_error(TIFF*, void* self, const char*, const char* format, va_list arguments) {
-    auto& error = static_cast<TiffFile*>(self)->error_;
-    char text[500];
-    std::vsnprintf(text, sizeof text, format, arguments);
-    if (error.empty()) error = text;
-    while (!error.empty() && (error.back() == '.' || error.back() == '\n')) error.pop_back();
-    std::replace(error.begin(), error.end(), '\n', ' ');
-    return 1;
-}
-
-Source open_tiff(const fs::path& path) {
+/// A multipage TIFF, or an ImageJ stack of one page and raw planes behind it.
+Source open_tiff(const fs::path& path, const std::string&) {
     check_magic(path);
     const TiffFile tiff(path, "rm");
     if (!tiff) cannot_read(path, fmt::format("the file is cut or damaged ({}); copy or write it again", tiff.error()));
@@ -384,11 +354,10 @@ Source open_tiff(const fs::path& path) {
     const TiffFile& first = reader.open(pages[0]);
     VolumeHeader header =
         header_of(first, read_layout(first, pages[0].name), static_cast<std::int64_t>(pages.size()), scale);
-    header.files = {path};
     return std::make_unique<TiffSource>(std::move(pages), path.string(), std::move(header));
 }
 
-Source open_tiff_slices(std::vector<fs::path> slices, const std::string& name) {
+Source open_tiff_slices(const std::vector<fs::path>& slices, const std::string& series) {
     std::vector<Page> pages;
     for (const auto& slice : slices) pages.push_back({slice, 0, "slice '" + slice.filename().string() + "'"});
     PageReader reader;
@@ -396,8 +365,16 @@ Source open_tiff_slices(std::vector<fs::path> slices, const std::string& name) {
     VolumeHeader header = header_of(first, read_layout(first, pages[0].name), static_cast<std::int64_t>(pages.size()),
                                     read_scale(first, description_of(first)));
     header.format = "folder of TIFF slices";
-    header.files = std::move(slices);
-    return std::make_unique<TiffSource>(std::move(pages), name, std::move(header));
+    return std::make_unique<TiffSource>(std::move(pages), series, std::move(header));
 }
 
+const RegisteredFormat tiff_format{{
+    .name = "TIFF",
+    .extensions = {".tif", ".tiff"},
+    .sniff = [](const std::string& start, const fs::path&) { return is_tiff(start); },
+    .open = open_tiff,
+    .open_slices = open_tiff_slices,
+}};
+
+}  // namespace
 }  // namespace tomodem::formats

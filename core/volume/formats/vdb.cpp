@@ -1,6 +1,7 @@
 #include <openvdb/openvdb.h>
 
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
+#include "core/volume/volume_format.hpp"
 
 namespace tomodem::formats {
 namespace {
@@ -49,7 +50,6 @@ class VdbSource : public VolumeSource {
     explicit VdbSource(const fs::path& path) : grid_(only_grid(path)), box_(grid_->evalActiveVoxelBoundingBox()) {
         if (box_.empty()) cannot_read(path, "its grid has no active voxel");
         header_.format = fmt::format("OpenVDB grid '{}'", grid_->getName());
-        header_.files = {path};
         const openvdb::Coord size = box_.dim();
         header_.size = {size.x(), size.y(), size.z()};
         if (!with_grid(grid_, [this](const auto&, auto value) { header_.type = type_of(value); }))
@@ -77,10 +77,14 @@ class VdbSource : public VolumeSource {
     openvdb::CoordBBox box_;
 };
 
-}  // namespace
+const RegisteredFormat openvdb_format{{
+    .name = "OpenVDB",
+    .extensions = {".vdb"},
+    .open = [](const fs::path& file, const std::string&) -> Source {
+        return in_own_process(file, "OpenVDB", [&file] { return std::make_unique<VdbSource>(file); });
+    },
+}};
 
-Source open_vdb(const fs::path& path) {
-    return in_own_process(path, "OpenVDB", [&path] { return std::make_unique<VdbSource>(path); });
-}
+}  // namespace
 
 }  // namespace tomodem::formats

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
 
 namespace tomodem::formats {
 namespace {

@@ -1,10 +1,10 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,24 +12,12 @@
 #include "core/base/error.hpp"
 #include "core/volume/volume_source.hpp"
 
-/// One function a format; each throws InvalidInput with one line. Internal to core.
+/// What the sources of the formats share: raw voxels, headers of text, numbered slices, libraries that fail on damaged
+/// files. Everything throws InvalidInput with one line. Internal to core/volume.
 namespace tomodem::formats {
 
 namespace fs = std::filesystem;
 using Source = std::unique_ptr<VolumeSource>;
-
-/// A multipage TIFF, or an ImageJ stack of one page and raw planes behind it.
-Source open_tiff(const fs::path& file);
-/// Single-page TIFFs in this order. @param name  of the whole, for messages
-Source open_tiff_slices(std::vector<fs::path> slices, const std::string& name);
-
-/// `file` is the .vol or .raw, or its .info or .xml.
-Source open_esrf(const fs::path& file);
-Source open_metaimage(const fs::path& file);
-Source open_nrrd(const fs::path& file);
-/// @param dataset  empty: the file must say which, or have one only
-Source open_hdf5(const fs::path& file, const std::string& dataset);
-Source open_vdb(const fs::path& file);
 
 /// Where raw voxels are. Several files follow one another, each with whole slices.
 struct RawVoxels {

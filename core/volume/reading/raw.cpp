@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "core/base/parallel.hpp"
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
 
 namespace tomodem::formats {
 namespace {
@@ -186,7 +186,6 @@ class SwappedSource : public VolumeSource {
 
 Source open_raw(VolumeHeader header, RawVoxels where) {
     check_size(where.files.front(), {header.size[0], header.size[1], header.size[2]});
-    if (header.files.empty()) header.files = where.files;
     const bool swap = where.big_endian && bytes_of(header.type) > 1;
     Source source;
     if (where.deflated) {

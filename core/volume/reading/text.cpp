@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
 
 namespace tomodem::formats {
 

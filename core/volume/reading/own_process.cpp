@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "core/volume/formats/formats.hpp"
+#include "core/volume/reading/reading.hpp"
 
 namespace tomodem::formats {
 namespace {
@@ -140,7 +140,6 @@ class RemoteSource : public VolumeSource {
             const Answer greeting = answer();
             check_size(path, {greeting.size[0], greeting.size[1], greeting.size[2]});
             header_.format = greeting.format.data();
-            header_.files = {path};
             header_.size = greeting.size;
             header_.type = greeting.type;
             header_.spacing_has_unit = greeting.spacing_has_unit;
