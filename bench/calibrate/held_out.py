@@ -28,7 +28,8 @@ options.folder.mkdir(parents=True, exist_ok=True)
 
 
 def tool(name, *words):
-    subprocess.run([str(options.bin / name), *map(str, words), "--quiet", "--threads", "1"], check=True,
+    one_thread = ["--threads", "1"] if json.loads(subprocess.check_output([options.bin / name, "--describe"]))["threads"] else []
+    subprocess.run([str(options.bin / name), *map(str, words), "--quiet", *one_thread], check=True,
                    stderr=subprocess.DEVNULL)
 
 

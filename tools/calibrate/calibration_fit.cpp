@@ -15,7 +15,7 @@
 #include "tools/metrics/curves/norton_regression.hpp"
 #include "tools/metrics/curves/strain_curves.hpp"
 
-namespace tomodem {
+namespace tomodem::calibrate {
 namespace {
 
 constexpr double pascal_per_megapascal = 1e6;
@@ -326,4 +326,4 @@ Calibration fit_calibration(const std::vector<MeasuredRun>& runs, const FitOptio
     return found;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::calibrate

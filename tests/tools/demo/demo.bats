@@ -103,11 +103,11 @@ needs_shared() { [ -d "$shared/data" ] || skip "the shared tomographies are not 
     phantom OUT=out out/volume.tif
     user() { pipeline VOLUME=out/volume.tif VOXEL_SIZE=10um PARTICLES=1200 OUT="$@"; }
     run -2 user a a/scene.toml LABELS=1=matrix
-    [[ $output == *"LABELS does not name label 2"* ]]
+    [[ $output == *"--labels does not name label 2"* ]]
     run -2 user b b/scene.toml LABELS=1=matrix,2=inclusion,5=pore
-    [[ $output == *"LABELS names label 5 (pore), which the image does not have"* ]]
+    [[ $output == *"--labels names label 5 (pore), which the image does not have"* ]]
     run -2 user c c/scene.toml PARTICLES=100
-    [[ $output == *"particles, too few to have a shape; give PIXELS_PER_SEED="* ]]
+    [[ $output == *"particles, too few to have a shape; give --pixels-per-seed "* ]]
     for folder in a b c; do [ ! -e $folder/scene.toml ]; done
 }
 
@@ -135,7 +135,7 @@ END
     needs_shared
     grey=$shared/data/trabecular_bone/bone_grey.tif
     run -2 pipeline VOLUME="$grey" VOXEL_SIZE=19.5um OUT=grey grey/sample.h5
-    [[ $output == *"it is grey; give THRESHOLD="* ]]
+    [[ $output == *"it is grey; give --threshold or --otsu"* ]]
     pipeline VOLUME="$grey" VOXEL_SIZE=19.5um THRESHOLD=83 ROI=0:100,0:100,0:100 PARTICLES=3000 OUT=bone bone/sample.h5 \
         bone/scene.toml
     grep -q 'phase."solid"' bone/scene.toml

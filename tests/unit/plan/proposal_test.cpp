@@ -8,7 +8,7 @@
 #include "core/base/error.hpp"
 #include "tests/unit/plan/drawn.hpp"
 
-namespace tomodem {
+namespace tomodem::plan {
 namespace {
 
 using testing::AllOf;
@@ -166,4 +166,4 @@ TEST(Plan, OfASceneThatNoLawCanHoldSaysWhyOfEach) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::plan
