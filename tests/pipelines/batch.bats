@@ -212,7 +212,7 @@ END
     same_run whole/one/run.h5 out/one/run.h5
 }
 
-@test "a checkpoint of another scene is not gone on with" {
+@test "a run does not resume from the checkpoint of another scene" {
     make_stack stacks/one.tif 1
     make_scene scene.toml 4e-7
     batch GOAL=run 3>&- &

@@ -317,7 +317,7 @@ class Page:
             notes.append(f"{count(solved['steps'])} time steps of {number(solved['time_step'])} s on "
                          f"{solved['processes']} process{'es' * (solved['processes'] != 1)}")
         if "seconds_per_particle_step" in solved:
-            notes.append(f"{1e6 * solved['seconds_per_particle_step']:.2f} µs of CPU time a particle and step")
+            notes.append(f"{1e6 * solved['seconds_per_particle_step']:.2f} µs of CPU time per particle and step")
         if "predicted_wall_seconds" in solved:
             notes.append(f"{seconds(solved['predicted_wall_seconds'])} were predicted")
         if not solved and self.run.provenance.tool == "solve":

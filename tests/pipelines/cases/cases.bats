@@ -80,7 +80,7 @@ stop_in_the_middle() {
     [ ! -e "out/$RUN/run.h5.checkpoint" ]
 }
 
-@test "a changed scene does not go on from the checkpoint of another, and makes a finished run again" {
+@test "a changed scene does not resume from the checkpoint of another, and makes a finished run again" {
     own_cases
     export CASES RUN
     stop_in_the_middle INT

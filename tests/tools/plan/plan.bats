@@ -76,7 +76,7 @@ END
     for comment in '# A composite of mine.' '# or another' '# little' '# fine'; do grep -qF "$comment" proposed.toml; done
     # The commands that it prints, as they stand.
     for tool in packgen vol2pack relax; do
-        eval "$(sed -n "s/^command_$tool: //p" <<<"$output") --threads 1 --quiet"
+        eval "$(sed -n "s/^command_$tool: //p" <<<"$output") --quiet"
     done
     eval "$(sed -n 's/^command_solve: //p' <<<"$output") --explain --json explain.json --quiet"
     particles=$(sed -n 's/^particles: //p' <<<"$output")
@@ -146,7 +146,7 @@ open("grey.raw", "wb").write(np.where(x*x + y*y + z*z < 12**2, 200, 100).astype(
     sed 's/-0.05/-0.1/' scene.toml > other.toml
     plan "$image" made.toml --scene other.toml --particles 2000 --options options --quiet
     cmp other.toml made.toml
-    [ "$(find options -newer mark)" = options/equilibrium ]
+    [ "$(find options -type f -newer mark)" = options/equilibrium ]
     [ "$(cat options/equilibrium)" = "--from 0.0666667" ]
 }
 
