@@ -41,8 +41,9 @@ class Argument:
         return not self.name.startswith("--")
 
     def full_help(self):
-        formats = f" ({', '.join(self.formats)})" if self.formats else ""
-        return self.help + formats + (f" [default {self.default}]" if self.default is not None else "")
+        remarks = [" or ".join(self.formats)] * bool(self.formats)
+        remarks += [f"default {self.default}"] * (self.default is not None)
+        return self.help + (f" [{'; '.join(remarks)}]" if remarks else "")
 
     def shown(self):
         return self.name if self.positional else f"{self.name} {self.value}"
@@ -62,9 +63,10 @@ class Usage:
     def help_text(self):
         rows = [(f"  {one.shown()}", one.full_help())
                 for one in sorted(self.arguments, key=lambda one: not one.positional)]
-        rows += [("  --threads INTEGER", "threads to use [default: every core that this process may use]"),
-                 ("  --json FILE", "also write the results, units, time and memory as JSON"),
-                 ("  --quiet", "print errors only"), ("  --help", "print this text"), ("  --version", "print the version")]
+        rows += [("  --threads INTEGER", "Number of threads. [default: one for every core that this process may use]"),
+                 ("  --json FILE", "Also write the results, their units, time and memory to this file as JSON."),
+                 ("  --quiet", "Print warnings and errors only."), ("  --help", "Print this text."),
+                 ("  --version", "Print the version."), ("  --describe", "Print this usage as JSON, for other programs.")]
         width = max(min(len(name), 34) for name, _ in rows)
         table = "".join(f"{name:<{width}}  {text}\n" for name, text in rows)
         words = " ".join(one.name for one in self.positionals())

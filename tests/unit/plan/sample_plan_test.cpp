@@ -86,7 +86,8 @@ TEST(SamplePlan, RefusesWhatDoesNotFitTheImage) {
         EXPECT_THAT([&] { planned(volume, request, scene); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));
     };
     refused(pixels(9), "",
-            "the largest inclusion would have 2 particles, too few to have a shape; give --pixels-per-seed 3");
+            "the largest inclusion would have 2 particles, too few to have a shape; give --pixels-per-seed 1.95 or "
+            "less (now 9)");
     SampleRequest named = particles(5000);
     named.names = {{1, "matrix"}};
     refused(named, "", "--labels does not name label 2");
