@@ -52,6 +52,7 @@ ifdef SCENE
   scene := $(SCENE)
   whole_scene := $(OUT)/digests/scene
   relaxing_scene := $(OUT)/digests/scene_relax
+  named_phases := $(OUT)/digests/scene_phases
 else
   scene := $(OUT)/scene.toml
   whole_scene := $(scene)
@@ -96,11 +97,15 @@ options = $$(cat $(OUT)/options/$1)
 $(OUT)/image.json: $(OUT)/digests/volume_info $(IMAGE_STATE) $(OUT)/image.parameters
 	$(BIN)/volume_info $(IMAGE) $(image_options) $(threads) --json $@
 
-# The scene, and options of the other tools: a file each, which keeps its date as long as its content stays the same.
-$(OUT)/plan.json: $(OUT)/digests/plan $(IMAGE_STATE) $(if $(SCENE),$(whole_scene)) $(OUT)/image.parameters $(OUT)/plan.parameters
-	$(BIN)/plan $(IMAGE) $(OUT)/scene.toml $(plan.parameters) --options $(OUT)/options $(threads) --json $@
-$(OUT)/scene.toml $(addprefix $(OUT)/options/,vol2pack render inclusions mesh_recon shape_factor press equilibrium): \
-    $(OUT)/plan.json ;
+# Options of the other tools that depend on the image; the scene, and those that follow from its load.
+plan = $(BIN)/plan $(IMAGE) $(OUT)/scene.toml $(plan.parameters) --options $(OUT)/options $(threads)
+$(OUT)/plan.json $(addprefix $(OUT)/options/,vol2pack render inclusions mesh_recon shape_factor) &: $(OUT)/digests/plan \
+    $(IMAGE_STATE) $(named_phases) $(OUT)/image.parameters $(OUT)/plan.parameters
+	$(plan) --write sample --json $(OUT)/plan.json
+
+$(OUT)/scene.toml $(addprefix $(OUT)/options/,press equilibrium) &: $(OUT)/digests/plan \
+    $(if $(SCENE),$(whole_scene),$(IMAGE_STATE) $(OUT)/image.parameters) $(OUT)/plan.parameters
+	$(plan) --write load --quiet
 
 $(BRICK) $(BRICK:.h5=.json) &: $(BRICK).state
 	$(BIN)/packgen $(BRICK) $(brick.parameters) $(threads) --json $(BRICK:.h5=.json)

@@ -4,8 +4,8 @@
 usage: inputs.py [--cache FILE] [--scene SCENE] [--image VOLUME --bin BIN] NAME=FILE...
 
 The digest `image` is that of all files that VOLUME is made of, as BIN/volume_info lists them.
-Of SCENE there are two digests, neither of which sees comments or layout, both of which see the files that it names:
-`scene`, all of it; `scene_relax`, what relaxing a sample can depend on.
+Of SCENE there are three digests, none of which sees comments or layout, all of which see the files that it names:
+`scene`, all of it; `scene_phases`, which label is called what; `scene_relax`, what relaxing a sample can depend on.
 
 The cache remembers the digest of a file as long as its size and dates (also that of its last change of any kind, which
 no program can set) stay; it is written if its folder exists.
@@ -63,7 +63,7 @@ class Digests:
 
 
 def files_of_volume(volume, tools):
-    listed = subprocess.run([tools / "volume_info", volume, "--files", "--quiet"], stdout=subprocess.PIPE, text=True)
+    listed = subprocess.run([tools / "volume_info", volume, "--files"], stdout=subprocess.PIPE, text=True)
     return listed.stdout.splitlines() if listed.returncode == 0 else sys.exit(1)
 
 
@@ -92,10 +92,11 @@ def scene_digests(path, digests):
         files = [digests.of_file(one) for one in files_named_in(scene, path.parent)]
         parts = {
             "scene": [scene, files],
+            "scene_phases": {name: phase["label"] for name, phase in scene["phase"].items()},
             "scene_relax": [what_relaxing_depends_on(scene), files],
         }
     except (tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError):
-        parts = dict.fromkeys(("scene", "scene_relax"), text)  # the tools say what is wrong with it
+        parts = dict.fromkeys(("scene", "scene_phases", "scene_relax"), text)  # the tools say what is wrong with it
     return {name: text_digest(part) for name, part in parts.items()}
 
 

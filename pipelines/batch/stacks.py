@@ -8,7 +8,7 @@ import sys
 
 def stacks_of(folder, tools):
     """Name -> path of each volume that volume_info finds, and path -> reason of what cannot be worked on."""
-    listed = subprocess.run([tools / "volume_info", folder, "--find", "--quiet"], stdout=subprocess.PIPE, text=True)
+    listed = subprocess.run([tools / "volume_info", folder, "--find"], stdout=subprocess.PIPE, text=True)
     if listed.returncode != 0:
         sys.exit(1)
     found, refused = {}, {}

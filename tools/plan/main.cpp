@@ -26,7 +26,7 @@ struct Request {
     std::string of, law = "any", feature = "median";
     // For a given size of the particles.
     double particles = 0, pixels_per_seed = 0, density = 0.7;
-    std::string labels, options;
+    std::string labels, options, write = "all";
 };
 
 cli::Usage usage(Request& request) {
@@ -62,10 +62,12 @@ cli::Usage usage(Request& request) {
                 "the names of the scene.")
         .option("--density", request.density, cli::Unit::none, {0, 1, false, true},
                 "With --particles or --pixels-per-seed: density D of the brick that the sample will be cut from.")
-        .option(
-            "--options", request.options,
-            "With --particles or --pixels-per-seed: also write into this folder one file for each tool of the chain "
-            "with the options that depend on the image. A file whose content stays the same keeps its date.")
+        .option("--options", request.options,
+                "With --particles or --pixels-per-seed: also write into this folder one file for each tool of the "
+                "chain with the options that depend on the image or on the load.")
+        .choice("--write", request.write, {"all", "sample", "load"},
+                "With --particles or --pixels-per-seed: write all files; those that the sample is made with; or the "
+                "scene and those that follow from its load, for which --scene alone is read.")
         .exclusive({"--error", "--particles", "--pixels-per-seed"})
         .example("plan stack/ --scene scene.toml --error 5% --voxel-size 2.4um")
         .example("plan casting.tif proposed.toml --scene casting.toml --error 10% --of pore_volume")
@@ -227,7 +229,7 @@ void report_commands(const std::vector<std::string>& lines, cli::Tool& tool) {
 /// For a wanted error: searches the table for the cheapest setting.
 void plan_for_error(const Request& given, cli::Tool& tool) {
     Request request = given;
-    for (const char* flag : {"--labels", "--density", "--options"})
+    for (const char* flag : {"--labels", "--density", "--options", "--write"})
         if (tool.given(flag))
             throw WrongUsage(fmt::format("{} goes with --particles or --pixels-per-seed, not with --error", flag));
     if (!tool.given("--scene")) throw WrongUsage("give the --scene");
@@ -267,27 +269,42 @@ void plan_for_error(const Request& given, cli::Tool& tool) {
     write_text(request.proposed, plan.proposal.scene);
 }
 
+void write_options(const std::map<std::string, std::string>& options, const std::filesystem::path& folder) {
+    if (folder.empty()) return;
+    std::filesystem::create_directories(folder);
+    for (const auto& [name, line] : options) write_text(folder / name, line + "\n");
+}
+
+void write_load(const LoadPlan& load, const Request& request) {
+    write_options(load_options(load), request.options);
+    write_text(request.proposed, load.scene);
+}
+
 /// For a given size of the particles: the scene and the options of the chain.
 void plan_for_size(const Request& request, cli::Tool& tool) {
     for (const char* flag : {"--of", "--law", "--feature", "--table"})
         if (tool.given(flag)) throw WrongUsage(fmt::format("{} goes with --error", flag));
     if (request.proposed.empty())
         throw WrongUsage("give PROPOSED, the scene to write; with --scene it is a copy of it");
-    SampleRequest wanted;
-    if (tool.given("--particles")) wanted.particles = request.particles;
-    if (tool.given("--pixels-per-seed")) wanted.pixels_per_seed = request.pixels_per_seed;
-    wanted.density = request.density;
-    if (tool.given("--labels")) wanted.names = parse_label_names("--labels", request.labels);
     std::optional<Scene> scene;
     std::string scene_text;
     if (tool.given("--scene")) {
         scene = read_scene(request.scene);
         scene_text = read_text(request.scene);
     }
+    if (scene && request.write == "load") {
+        write_load(load_of(*scene, scene_text), request);
+        return;
+    }
+    SampleRequest wanted;
+    if (tool.given("--particles")) wanted.particles = request.particles;
+    if (tool.given("--pixels-per-seed")) wanted.pixels_per_seed = request.pixels_per_seed;
+    wanted.density = request.density;
+    if (tool.given("--labels")) wanted.names = parse_label_names("--labels", request.labels);
 
     const LabelVolume volume = read_volume(request.volume, volume_options(request.volume), tool);
     const SamplePlan plan = plan_sample(volume, solid_labels(volume), wanted, scene, scene_text);
-    const std::map<std::string, std::string> options = chain_options(plan);
+    const std::map<std::string, std::string> options = sample_options(plan);
     tool.report("pixels_per_seed", plan.pixels_per_seed, "voxels");
     tool.report("seed_radius", plan.seed_radius, "mm");
     tool.report("particles", static_cast<std::int64_t>(std::llround(plan.particles)));
@@ -301,11 +318,8 @@ void plan_for_size(const Request& request, cli::Tool& tool) {
          fmt::format("solve relaxed.h5 {} run.h5", shell_quoted(request.proposed.string()))},
         tool);
     tool.report_json("options", options);
-    write_if_changed(request.proposed, plan.scene);
-    if (request.options.empty()) return;
-    std::filesystem::create_directories(request.options);
-    for (const auto& [name, line] : options)
-        write_if_changed(std::filesystem::path(request.options) / name, line + "\n");
+    if (request.write != "load") write_options(options, request.options);
+    if (request.write != "sample") write_load(plan.load, request);
 }
 
 void run(const Request& request, cli::Tool& tool) {

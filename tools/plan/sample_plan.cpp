@@ -124,24 +124,26 @@ std::vector<SolidLabel> solid_labels(const LabelVolume& volume) {
     return solid;
 }
 
+LoadPlan load_of(const Scene& scene, const std::string& scene_text) {
+    LoadPlan load{scene_text, "xyz"[scene.axis], 0};
+    for (const LoadStep& step : scene.steps) load.largest_strain = std::max(load.largest_strain, std::abs(step.strain));
+    if (scene.steps.empty()) load.largest_strain = scene.path_length();
+    return load;
+}
+
 SamplePlan plan_sample(const LabelVolume& volume, const std::vector<SolidLabel>& solid, const SampleRequest& request,
                        const std::optional<Scene>& scene, const std::string& scene_text) {
     SamplePlan plan;
     check_names(request.names, solid);
     if (scene) {
         plan.names = names_in(*scene, solid);
-        plan.scene = scene_text;
-        plan.axis = "xyz"[scene->axis];
-        for (const LoadStep& step : scene->steps)
-            plan.largest_strain = std::max(plan.largest_strain, std::abs(step.strain));
-        if (scene->steps.empty()) plan.largest_strain = scene->path_length();
+        plan.load = load_of(*scene, scene_text);
     } else {
         plan.names = made_names(solid);
-        plan.largest_strain = proposed_strain;
     }
     for (auto& [label, name] : plan.names)
         if (const auto given = request.names.find(label); given != request.names.end()) name = given->second;
-    if (!scene) plan.scene = proposed_scene(plan.names, solid);
+    if (!scene) plan.load = {proposed_scene(plan.names, solid), 'z', proposed_strain};
 
     // In voxels of the size along x, that a radius is given in.
     const double voxel = volume.spacing()[0];
@@ -184,7 +186,7 @@ SamplePlan plan_sample(const LabelVolume& volume, const std::vector<SolidLabel>&
     return plan;
 }
 
-std::map<std::string, std::string> chain_options(const SamplePlan& plan) {
+std::map<std::string, std::string> sample_options(const SamplePlan& plan) {
     std::vector<std::string> names;
     for (const auto& [label, name] : plan.names) names.push_back(fmt::format("{}={}", label, name));
     const std::string labels = fmt::format("--labels {}", fmt::join(names, ","));
@@ -195,8 +197,13 @@ std::map<std::string, std::string> chain_options(const SamplePlan& plan) {
         {"inclusions", fmt::format("--only-species {} --color {}", plan.shown, plan.inclusions ? "object" : "phase")},
         {"mesh_recon", fmt::format("--species {} --probe-radius {:.6g}mm", plan.shown, plan.probe_radius)},
         {"shape_factor", fmt::format("--min-particles {}", min_particles_of_shape)},
-        {"press", fmt::format("--press {}", plan.axis)},
-        {"equilibrium", fmt::format("--from {:g}", 2.0 / 3 * plan.largest_strain)},
+    };
+}
+
+std::map<std::string, std::string> load_options(const LoadPlan& load) {
+    return {
+        {"press", fmt::format("--press {}", load.axis)},
+        {"equilibrium", fmt::format("--from {:g}", 2.0 / 3 * load.largest_strain)},
     };
 }
 

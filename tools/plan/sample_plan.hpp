@@ -33,6 +33,15 @@ struct SampleRequest {
 /// A shape is measured of objects of at least this many particles.
 inline constexpr std::int64_t min_particles_of_shape = 20;
 
+/// The scene of a run, and what the tools that show and measure it need of its load.
+struct LoadPlan {
+    std::string scene;  ///< text: the user's own, or the one proposed
+    char axis = 'z';
+    double largest_strain = 0;  ///< magnitude
+};
+
+LoadPlan load_of(const Scene& scene, const std::string& scene_text);
+
 struct SamplePlan {
     std::map<std::int32_t, std::string> names;  ///< of the solid labels
     std::vector<std::int32_t> objects;          ///< labels whose components are objects, rising
@@ -43,9 +52,7 @@ struct SamplePlan {
     double particles = 0;                       ///< expected number
     std::int64_t min_component = 0;             ///< smaller components are taken out of the image [voxels]
     double probe_radius = 0;                    ///< of the surfaces [mm]
-    std::string scene;                          ///< text of the scene: the user's own, or the one proposed
-    char axis = 'z';                            ///< of the load
-    double largest_strain = 0;                  ///< magnitude of the largest strain of the load
+    LoadPlan load;
 };
 
 /// The matrix is the label with most voxels; the others are inclusions, each component of which is an object. Without a
@@ -61,7 +68,9 @@ struct SamplePlan {
 SamplePlan plan_sample(const LabelVolume& volume, const std::vector<SolidLabel>& solid, const SampleRequest& request,
                        const std::optional<Scene>& scene, const std::string& scene_text);
 
-/// Options of the tools of the chain that depend on the image: file name -> one line of options.
-std::map<std::string, std::string> chain_options(const SamplePlan& plan);
+/// Options of the tools of the chain: file name -> one line of options. Those of the sample depend on the image.
+std::map<std::string, std::string> sample_options(const SamplePlan& plan);
+/// Those that follow from the load alone.
+std::map<std::string, std::string> load_options(const LoadPlan& load);
 
 }  // namespace tomodem::plan

@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "core/base/error.hpp"
-#include "core/base/output_file.hpp"
 
 namespace tomodem::plan {
 
@@ -16,11 +15,6 @@ std::string read_text(const std::filesystem::path& path) {
     text << file.rdbuf();
     if (!file || file.bad()) throw InvalidInput(fmt::format("cannot read '{}'", path.string()));
     return text.str();
-}
-
-void write_if_changed(const std::filesystem::path& path, const std::string& text) {
-    if (std::filesystem::is_regular_file(path) && read_text(path) == text) return;
-    write_text(path, text);
 }
 
 }  // namespace tomodem::plan

@@ -46,16 +46,16 @@ TEST(SamplePlan, TakesTheLabelWithMostVoxelsAsMatrixAndTheOthersAsObjects) {
     EXPECT_THAT(plan.names, ElementsAre(Pair(1, "matrix"), Pair(2, "inclusion")));
     EXPECT_THAT(plan.objects, ElementsAre(2));
     EXPECT_EQ(plan.shown, 2);
-    const Scene scene = parse_scene(plan.scene, "made");
+    const Scene scene = parse_scene(plan.load.scene, "made");
     EXPECT_TRUE(scene.phase(2).objects);
     EXPECT_FALSE(scene.phase(1).objects);
     EXPECT_NEAR(scene.phase(1).norton->stress(1e-3), 94, 1);
     EXPECT_DOUBLE_EQ(scene.steps.at(0).strain, -0.3);
-    const auto options = chain_options(plan);
+    const auto options = sample_options(plan);
     EXPECT_EQ(options.at("vol2pack"),
               "--pixels-per-seed 1.93 --labels 1=matrix,2=inclusion --objects 2 --min-component 44");
-    EXPECT_EQ(options.at("press"), "--press z");
-    EXPECT_EQ(options.at("equilibrium"), "--from 0.2");
+    EXPECT_EQ(load_options(plan.load).at("press"), "--press z");
+    EXPECT_EQ(load_options(plan.load).at("equilibrium"), "--from 0.2");
 }
 
 TEST(SamplePlan, KeepsTheSceneOfTheUserWithItsNamesAxisAndStrain) {
@@ -63,10 +63,10 @@ TEST(SamplePlan, KeepsTheSceneOfTheUserWithItsNamesAxisAndStrain) {
     scene.replace(scene.find("steps"), 0, "axis = \"x\"\n");
     scene.replace(scene.find("-0.3"), 4, "-0.12");
     const SamplePlan plan = planned(drawn::balls({12, 12}, 2), particles(5000), scene);
-    EXPECT_EQ(plan.scene, scene);
+    EXPECT_EQ(plan.load.scene, scene);
     EXPECT_THAT(plan.names, ElementsAre(Pair(1, "a"), Pair(2, "b")));
-    EXPECT_EQ(chain_options(plan).at("press"), "--press x");
-    EXPECT_EQ(chain_options(plan).at("equilibrium"), "--from 0.08");
+    EXPECT_EQ(load_options(plan.load).at("press"), "--press x");
+    EXPECT_EQ(load_options(plan.load).at("equilibrium"), "--from 0.08");
 }
 
 TEST(SamplePlan, TakesLooseBitsOutOfAPorousImageAlone) {
@@ -77,7 +77,7 @@ TEST(SamplePlan, TakesLooseBitsOutOfAPorousImageAlone) {
     const double of_particle = 4 / 3.0 * std::numbers::pi * 8 / 0.7;
     EXPECT_EQ(planned(ball(18, 0), pixels(2)).min_component, std::ceil(20 * of_particle));
     EXPECT_EQ(planned(ball(40, 0), pixels(2)).min_component, std::ceil(of_particle));
-    EXPECT_EQ(chain_options(planned(ball(18, 0), pixels(2))).at("inclusions"), "--only-species 1 --color phase");
+    EXPECT_EQ(sample_options(planned(ball(18, 0), pixels(2))).at("inclusions"), "--only-species 1 --color phase");
 }
 
 TEST(SamplePlan, RefusesWhatDoesNotFitTheImage) {
