@@ -39,8 +39,8 @@ changed_since() { find out -type f -newer "$1" ! -name log.txt ! -name status ! 
     batch -j2 2>err.txt || code=$?
     cat err.txt
     [ "$code" != 0 ]
-    grep -q "^broken: failed: volume_info: cannot read volume 'stacks/broken.tif'" err.txt
-    grep -q "^collect: broken: failed: volume_info: cannot read volume" err.txt
+    grep -qE "^broken: failed: (plan|volume_info): cannot read volume 'stacks/broken.tif'" err.txt
+    grep -qE "^collect: broken: failed: (plan|volume_info): cannot read volume" err.txt
     grep -q "^collect: a name.tif: failed: make cannot work with this name" err.txt
     [ "$(wc -l <out/batch.csv)" = 5 ]
     [ "$(value_of one status <out/batch.csv)" = "done" ]
@@ -69,7 +69,7 @@ changed_since() { find out -type f -newer "$1" ! -name log.txt ! -name status ! 
     rm bin/tools.json
     "$TOMODEM_SOURCE/tools/launcher/list_tools" bin >bin/tools.json
     batch BIN=bin
-    height=$(/usr/bin/python3 -c 'import json; print(f"{json.load(open("out/one/sample_height.json"))["height_last"] * 0.1:.6g}")')
+    height=$(/usr/bin/python3 -c 'import json; print("%.6g" % (json.load(open("out/one/sample_height.json"))["height_last"] * 0.1))')
     [ "$(value_of one "height_last [cm]" <out/batch.csv)" = "$height" ]
     [ "$(value_of one frames_measured <out/batch.csv)" = 5 ]
     run -0 grep -c '<th>height at the end \[cm\]</th>' out/index.html
