@@ -7,9 +7,8 @@
 # inputs.py takes their digests while make reads this, and a small file each in $(OUT)/digests is written where one has
 # changed. So do the parameters below. What has changed is made again with all that depends on it, the rest is kept.
 
-CHAIN := $(dir $(lastword $(MAKEFILE_LIST)))
+include $(dir $(lastword $(MAKEFILE_LIST)))common.mk
 
-BIN ?= build/bin
 NP ?= 1
 DENSITY ?= 0.70
 PARTICLES ?= 40000
@@ -24,13 +23,7 @@ THREADS ?=
 BRICK ?= $(OUT)/brick.h5
 DIGEST_CACHE ?= $(OUT)/.digests.json
 
-export OMPI_ALLOW_RUN_AS_ROOT := 1
-export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
-
-.DELETE_ON_ERROR:
-.SECONDARY:
-.SUFFIXES:
-.PHONY: brick sample relaxed run report FORCE
+.PHONY: brick sample relaxed run report
 report: $(OUT)/report.html
 brick: $(BRICK)
 sample: $(OUT)/sample.h5
@@ -38,9 +31,7 @@ relaxed: $(OUT)/relaxed.h5
 run: $(OUT)/run.h5
 
 # ---- what the user gave --------------------------------------------------------------------------------------------
-ifneq ($(words $(OUT)) $(words $(BIN)),1 1)
-$(error OUT and BIN must be one path each, without spaces)
-endif
+$(call one_path_each,OUT BIN)
 ifdef VOLUME
   ifneq ($(words $(VOLUME)),1)
     $(error VOLUME must be one path without spaces; make a link of another name to it)
@@ -72,33 +63,21 @@ image_options := $(strip $(if $(VOXEL_SIZE),--voxel-size $(VOXEL_SIZE)) $(if $(S
     $(if $(THRESHOLD),--threshold $(THRESHOLD)) $(if $(OTSU),--otsu $(OTSU)) $(if $(RELABEL),--relabel $(RELABEL)) \
     $(if $(ROI),--roi $(ROI)) $(RAW_OPTIONS))
 
-# ---- small files that are written only when their text changes ---------------------------------------------------------
-quoted = '$(subst ','\'',$1)'
-
-define file_of_text
-ifneq ($$(wildcard $(OUT)/$1)=$$(file <$(OUT)/$1),$(OUT)/$1=$$($1))
-$(OUT)/$1: FORCE
-endif
-$(OUT)/$1: | $(dir $(OUT)/$1)
-	@printf '%s\n' $$(call quoted,$$($1)) > $$@
-endef
-files_of_text = $(foreach name,$1,$(eval $(call file_of_text,$(name))))
-
+# ---- parameters are files too ----------------------------------------------------------------------------------------
 image.parameters := $(strip $(IMAGE) $(image_options))
-options.parameters := $(strip $(if $(SCENE),--scene $(SCENE)) $(if $(LABELS),--labels $(call quoted,$(LABELS))) \
+plan.parameters := $(strip $(image_options) $(if $(SCENE),--scene $(SCENE)) $(if $(LABELS),--labels $(call quoted,$(LABELS))) \
     --density $(DENSITY) \
     $(if $(PIXELS_PER_SEED),--pixels-per-seed $(PIXELS_PER_SEED),--particles $(PARTICLES)))
 sample.parameters := $(strip $(image_options) --filter $(FILTER))
 shape.parameters := $(strip $(SHAPE_OPTIONS))
 pictures.parameters := $(strip --size $(PICTURE_SIZE))
 brick.parameters := $(strip --particles $(BRICK_PARTICLES) --density $(DENSITY))
-$(call files_of_text,image.parameters options.parameters sample.parameters shape.parameters pictures.parameters)
+$(call files_of_text,image.parameters plan.parameters sample.parameters shape.parameters pictures.parameters)
 
-programs := volume_info packgen vol2pack relax solve stress_strain shape_factor volume_change equilibrium mesh_recon render \
+programs := volume_info plan packgen vol2pack relax solve stress_strain shape_factor volume_change equilibrium mesh_recon render \
     report $(PROGRAMS)
-dry := $(findstring n,$(firstword -$(MAKEFLAGS)))
-digests := $(shell $(CHAIN)inputs.py $(if $(dry),,--cache $(DIGEST_CACHE)) $(if $(SCENE),--scene $(SCENE)) \
-    options=$(CHAIN)options.py $(if $(VOLUME),image=$(VOLUME)) $(foreach name,$(programs),$(name)=$(BIN)/$(name)))
+digests := $(shell $(COMMON)inputs.py $(if $(dry),,--cache $(DIGEST_CACHE)) $(if $(SCENE),--scene $(SCENE)) \
+    $(if $(VOLUME),--image $(VOLUME) --bin $(BIN)) tools=$(BIN)/tools.json $(foreach name,$(programs),$(name)=$(BIN)/$(name)))
 ifneq ($(.SHELLSTATUS),0)
 $(error the inputs cannot be read)
 endif
@@ -107,16 +86,8 @@ $(foreach word,$(digests),$(eval digests/$(subst =, := ,$(word))))
 $(call files_of_text,$(addprefix digests/,$(digest_names)))
 
 # The brick's are beside it, as several stacks may share it.
-brick_folder := $(patsubst %/,%,$(dir $(BRICK)))
 brick_state := $(strip $(brick.parameters) $(digests/packgen))
-ifneq ($(wildcard $(BRICK).state)=$(file <$(BRICK).state),$(BRICK).state=$(brick_state))
-$(BRICK).state: FORCE
-endif
-$(BRICK).state: | $(brick_folder)/
-	@printf '%s\n' $(call quoted,$(brick_state)) > $@
-
-$(sort $(OUT)/ $(OUT)/digests/ $(brick_folder)/):
-	@mkdir -p $@
+$(eval $(call text_file,$(BRICK).state,brick_state))
 
 parallel = $(if $(filter-out 1,$(NP)),$(MPIRUN) -n $(NP) )
 threads := $(if $(THREADS),--threads $(THREADS))
@@ -126,13 +97,15 @@ options = $$(cat $(OUT)/options/$1)
 $(OUT)/image.json: $(OUT)/digests/volume_info $(IMAGE_STATE) $(OUT)/image.parameters
 	$(BIN)/volume_info $(IMAGE) $(image_options) $(threads) --json $@
 
-$(addprefix $(OUT)/options/,vol2pack render inclusions mesh_recon shape_factor) &: $(OUT)/digests/options $(OUT)/image.json \
-    $(named_phases) $(OUT)/options.parameters
-	$(CHAIN)options.py $(OUT)/image.json $(OUT) sample $(options.parameters)
+# Options of the other tools that depend on the image; the scene, and those that follow from its load.
+plan = $(BIN)/plan $(IMAGE) $(OUT)/scene.toml $(plan.parameters) --options $(OUT)/options $(threads)
+$(OUT)/plan.json $(addprefix $(OUT)/options/,vol2pack render inclusions mesh_recon shape_factor) &: $(OUT)/digests/plan \
+    $(IMAGE_STATE) $(named_phases) $(OUT)/image.parameters $(OUT)/plan.parameters
+	$(plan) --write sample --json $(OUT)/plan.json
 
-$(OUT)/scene.toml $(addprefix $(OUT)/options/,press equilibrium) &: $(OUT)/digests/options $(OUT)/image.json \
-    $(if $(SCENE),$(whole_scene)) $(OUT)/options.parameters
-	$(CHAIN)options.py $(OUT)/image.json $(OUT) load $(options.parameters)
+$(OUT)/scene.toml $(addprefix $(OUT)/options/,press equilibrium) &: $(OUT)/digests/plan \
+    $(if $(SCENE),$(whole_scene),$(IMAGE_STATE) $(OUT)/image.parameters) $(OUT)/plan.parameters
+	$(plan) --write load --quiet
 
 $(BRICK) $(BRICK:.h5=.json) &: $(BRICK).state
 	$(BIN)/packgen $(BRICK) $(brick.parameters) $(threads) --json $(BRICK:.h5=.json)
@@ -145,7 +118,7 @@ $(OUT)/sample.h5 $(OUT)/sample.json &: $(OUT)/digests/vol2pack $(BRICK) $(IMAGE_
 $(OUT)/relaxed.h5 $(OUT)/relaxed.json &: $(OUT)/digests/relax $(OUT)/sample.h5 $(relaxing_scene)
 	$(parallel)$(BIN)/relax $(OUT)/sample.h5 $(scene) $(OUT)/relaxed.h5 --json $(OUT)/relaxed.json
 
-# A run that was stopped goes on from its checkpoint, unless something that it was made from has changed since.
+# A run that was stopped resumes from its checkpoint, unless something that it was made from has changed since.
 # run.pid, while it works: SIGUSR1 to that process saves and stops it.
 run_inputs := $(OUT)/relaxed.h5 $(scene) $(whole_scene) $(OUT)/digests/solve
 $(OUT)/run.h5 $(OUT)/run.json &: $(OUT)/digests/solve $(OUT)/relaxed.h5 $(whole_scene)
@@ -160,18 +133,18 @@ $(OUT)/run.h5 $(OUT)/run.json &: $(OUT)/digests/solve $(OUT)/relaxed.h5 $(whole_
 
 # ---- measures --------------------------------------------------------------------------------------------------------
 $(OUT)/stress_strain.csv $(OUT)/stress_strain.json &: $(OUT)/digests/stress_strain $(OUT)/run.h5
-	$(BIN)/stress_strain $(OUT)/run.h5 $(OUT)/stress_strain.csv $(threads) --json $(OUT)/stress_strain.json
+	$(BIN)/stress_strain $(OUT)/run.h5 $(OUT)/stress_strain.csv --json $(OUT)/stress_strain.json
 
 $(OUT)/shape_factor.csv $(OUT)/shape_factor_means.csv $(OUT)/shape_factor.json &: $(OUT)/digests/shape_factor \
     $(OUT)/run.h5 $(OUT)/options/shape_factor $(OUT)/shape.parameters
-	$(BIN)/shape_factor $(OUT)/run.h5 $(OUT)/shape_factor.csv $(call options,shape_factor) $(shape.parameters) $(threads) \
+	$(BIN)/shape_factor $(OUT)/run.h5 $(OUT)/shape_factor.csv $(call options,shape_factor) $(shape.parameters) \
 	    --means $(OUT)/shape_factor_means.csv --json $(OUT)/shape_factor.json
 
 $(OUT)/volume_change.csv $(OUT)/volume_change.json &: $(OUT)/digests/volume_change $(OUT)/run.h5
 	$(BIN)/volume_change $(OUT)/run.h5 $(OUT)/volume_change.csv $(threads) --json $(OUT)/volume_change.json
 
 $(OUT)/equilibrium.csv $(OUT)/equilibrium.json &: $(OUT)/digests/equilibrium $(OUT)/run.h5 $(OUT)/options/equilibrium
-	$(BIN)/equilibrium $(OUT)/run.h5 $(OUT)/equilibrium.csv $(call options,equilibrium) $(threads) \
+	$(BIN)/equilibrium $(OUT)/run.h5 $(OUT)/equilibrium.csv $(call options,equilibrium) \
 	    --json $(OUT)/equilibrium.json
 
 # ---- shapes and pictures: the first frame is "before", the last one "after" --------------------------------------------
@@ -203,6 +176,6 @@ PICTURES := $(foreach what,cut inclusions mesh,$(OUT)/picture_$(what)_before.png
 TABLES := $(foreach table,stress_strain shape_factor shape_factor_means volume_change equilibrium,$(OUT)/$(table).csv)
 summaries := $(patsubst $(OUT)/brick.json,$(BRICK:.h5=.json),$(STEPS:%=$(OUT)/%.json))
 
-# What is not here yet (topology, the surfaces of the 3-D view) it makes itself, and keeps in OUT.
-$(OUT)/report.html: $(OUT)/digests/report $(OUT)/run.h5 $(OUT)/scene.toml $(summaries) $(PICTURES) $(TABLES)
+# What is not here yet (every other measure, the surfaces of the 3-D view) it makes itself, and keeps in OUT.
+$(OUT)/report.html: $(OUT)/digests/report $(OUT)/digests/tools $(OUT)/run.h5 $(OUT)/scene.toml $(summaries) $(PICTURES) $(TABLES)
 	$(BIN)/report $(OUT)/run.h5 $@ --with $(OUT) --size $(PICTURE_SIZE) $(threads)

@@ -1,10 +1,9 @@
 #!/usr/bin/python3
 """Prints digests of what a chain reads: NAME=DIGEST words, so that make goes by content and not by dates.
 
-usage: inputs.py [--cache FILE] [--scene SCENE] NAME=PATH...
+usage: inputs.py [--cache FILE] [--scene SCENE] [--image VOLUME --bin BIN] NAME=FILE...
 
-PATH is a file, or a folder with everything in it; the data that a text header (.mhd, .nhdr) points to belong to it, and so
-does what ESRF's .info or .xml beside a .vol or .raw says of it.
+The digest `image` is that of all files that VOLUME is made of, as BIN/volume_info lists them.
 Of SCENE there are three digests, none of which sees comments or layout, all of which see the files that it names:
 `scene`, all of it; `scene_phases`, which label is called what; `scene_relax`, what relaxing a sample can depend on.
 
@@ -16,7 +15,7 @@ import hashlib
 import json
 import os
 import pathlib
-import re
+import subprocess
 import sys
 import time
 import tomllib
@@ -52,11 +51,8 @@ class Digests:
             return digest
         return self.known[key][1]
 
-    def of(self, path):
-        if path.is_dir():
-            inside = sorted(one for one in path.rglob("*") if one.is_file())
-            return text_digest([(str(one.relative_to(path)), self.of_file(one)) for one in inside])
-        return text_digest([self.of_file(one) for one in (path, *files_beside(path))])
+    def of_volume(self, files, volume):
+        return text_digest([(os.path.relpath(one, volume), self.of_file(pathlib.Path(one))) for one in files])
 
     def save(self):
         if not self.used or not self.cache or not self.cache.parent.is_dir():
@@ -66,14 +62,9 @@ class Digests:
         part.rename(self.cache)
 
 
-def files_beside(path):
-    if path.suffix in (".vol", ".raw"):
-        beside = [path.with_name(path.name + end) for end in (".info", ".xml")]
-        return [one for one in beside if one.is_file()]
-    if path.suffix not in (".mhd", ".nhdr") or not path.is_file():
-        return []
-    found = re.findall(r"(?mi)^\s*(?:ElementDataFile\s*=|data file:)\s*(\S+)\s*$", path.read_text(errors="replace"))
-    return [path.parent / name for name in found if name not in ("LOCAL", "LIST")]
+def files_of_volume(volume, tools):
+    listed = subprocess.run([tools / "volume_info", volume, "--files"], stdout=subprocess.PIPE, text=True)
+    return listed.stdout.splitlines() if listed.returncode == 0 else sys.exit(1)
 
 
 def files_named_in(value, folder):
@@ -113,14 +104,18 @@ def main():
     parser = argparse.ArgumentParser(prog="inputs", description=__doc__.splitlines()[0])
     parser.add_argument("--cache", type=pathlib.Path)
     parser.add_argument("--scene", type=pathlib.Path)
-    parser.add_argument("inputs", nargs="*", metavar="NAME=PATH")
+    parser.add_argument("--image")
+    parser.add_argument("--bin", type=pathlib.Path)
+    parser.add_argument("inputs", nargs="*", metavar="NAME=FILE")
     options = parser.parse_args()
     digests = Digests(options.cache)
     found = {}
     try:
         for one in options.inputs:
             name, _, path = one.partition("=")
-            found[name] = digests.of(pathlib.Path(path))
+            found[name] = digests.of_file(pathlib.Path(path))
+        if options.image:
+            found["image"] = digests.of_volume(files_of_volume(options.image, options.bin), options.image)
         if options.scene:
             found |= scene_digests(options.scene, digests)
         digests.save()

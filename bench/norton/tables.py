@@ -47,7 +47,8 @@ numbers, lines = {}, []
 
 
 def tool(name, *words):
-    subprocess.run([str(tools / name), *map(str, words), "--quiet", "--threads", "1"], check=True)
+    one_thread = ["--threads", "1"] if json.loads(subprocess.check_output([tools / name, "--describe"]))["threads"] else []
+    subprocess.run([str(tools / name), *map(str, words), "--quiet", *one_thread], check=True)
 
 
 def brick(packing):

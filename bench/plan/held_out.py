@@ -50,7 +50,8 @@ table = ["--table", str(options.table.resolve())] if options.table else []
 
 def tool(*words):
     words = [str(word) for word in words]
-    subprocess.run([str(tools / words[0]), *words[1:], "--quiet", "--threads", "1"], check=True)
+    one_thread = ["--threads", "1"] if json.loads(subprocess.check_output([tools / words[0], "--describe"]))["threads"] else []
+    subprocess.run([str(tools / words[0]), *words[1:], "--quiet", *one_thread], check=True)
 
 
 def once(output, *words):

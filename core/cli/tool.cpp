@@ -16,6 +16,7 @@
 #include "core/base/output_file.hpp"
 #include "core/base/version.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/help.hpp"
 
 namespace tomodem::cli {
 namespace {

@@ -1,28 +1,18 @@
 #!/usr/bin/python3
-"""Lists the stacks of a folder as NAME=VOLUME words. usage: stacks.py FOLDER"""
+"""Lists the stacks of a folder as NAME=VOLUME words. usage: stacks.py FOLDER BIN"""
 import pathlib
 import re
+import subprocess
 import sys
 
-SLICES = (".tif", ".tiff")
-IMAGES = (*SLICES, ".mha", ".mhd", ".nrrd", ".nhdr", ".vdb", ".h5", ".hdf5", ".vol", ".raw")
-HEADERS = (".mhd", ".nhdr")
 
-
-def is_stack(path):
-    if path.is_dir():
-        return any(one.suffix.lower() in SLICES for one in path.iterdir())
-    if path.suffix == ".raw" and any(path.with_suffix(header).exists() for header in HEADERS):
-        return False  # the voxels of the stack that the header is
-    return path.suffix.lower() in IMAGES
-
-
-def stacks_of(folder):
-    """Name -> path of each stack, and path -> reason of what cannot be worked on."""
+def stacks_of(folder, tools):
+    """Name -> path of each volume that volume_info finds, and path -> reason of what cannot be worked on."""
+    listed = subprocess.run([tools / "volume_info", folder, "--find"], stdout=subprocess.PIPE, text=True)
+    if listed.returncode != 0:
+        sys.exit(1)
     found, refused = {}, {}
-    for path in sorted(folder.iterdir()):
-        if path.name.startswith(".") or not is_stack(path):
-            continue
+    for path in map(pathlib.Path, listed.stdout.splitlines()):
         name = path.name if path.is_dir() else path.stem
         if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.+-]*", name):
             refused[path] = "make cannot work with this name; use letters, digits and . _ + -"
@@ -34,12 +24,12 @@ def stacks_of(folder):
 
 
 def main():
-    folder = pathlib.Path(sys.argv[1])
+    folder, tools = map(pathlib.Path, sys.argv[1:])
     if not folder.is_dir():
         sys.exit(f"stacks: there is no folder '{folder}'; give the one with the stacks as STACKS=")
-    found, refused = stacks_of(folder)
+    found, refused = stacks_of(folder, tools)
     if not found and not refused:
-        sys.exit(f"stacks: '{folder}' has no stack: {', '.join(IMAGES)} or folders of TIFF slices")
+        sys.exit(f"stacks: '{folder}' has no stack: no file of a volume (docs/volumes.md) and no folder of TIFF slices")
     print(*(f"{name}={path}" for name, path in found.items()))
 
 

@@ -10,32 +10,23 @@
 #   record    both, kept in the case's folder as the figures to expect (of SIZE=full)
 #
 # OUT/RUN-PACKING holds sample.h5, scene.toml, relaxed.h5, run.h5 and the measures of one run. A run that was interrupted
-# goes on from its checkpoint. HERE is the case's folder, set before this file is included.
+# resumes from its checkpoint. HERE is the case's folder, set before this file is included.
 
 CASES := $(dir $(patsubst %/,%,$(HERE)))
 CASE := $(notdir $(patsubst %/,%,$(HERE)))
+include $(CASES)../common.mk
 
 SIZE ?= small
 PACKINGS ?= $(if $(filter full,$(SIZE)),1 2 3,1)
 OUT ?= out/cases/$(CASE)
-BIN ?= build/bin
 NP ?= 1
 THREADS ?=
 MPIRUN ?= mpirun --oversubscribe --bind-to none
 
-export OMPI_ALLOW_RUN_AS_ROOT := 1
-export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
-
-.DELETE_ON_ERROR:
-.SECONDARY:
-.SECONDEXPANSION:
-.SUFFIXES:
-.PHONY: figures check picture record FORCE
+.PHONY: figures check picture record
 figures: $(OUT)/figures.csv
 
-ifneq ($(words $(OUT)) $(words $(BIN)),1 1)
-$(error OUT and BIN must be one path each, without spaces)
-endif
+$(call one_path_each,OUT BIN)
 ifeq ($(filter small full,$(SIZE)),)
 $(error SIZE is '$(SIZE)'; it can be small or full)
 endif
@@ -47,17 +38,6 @@ packing = $(lastword $(subst -, ,$1))
 run = $(patsubst %-$(call packing,$1),%,$1)
 # A part of a name, as the 2nd of brick_2000_0.70.
 part = $(word $1,$(subst _, ,$2))
-
-# ---- small files that are written only when their text changes ---------------------------------------------------------
-# $(eval $(call text_file,FILE,VARIABLE))
-define text_file
-ifneq ($$(wildcard $1)=$$(file <$1),$1=$$($2))
-$1: FORCE
-endif
-$1:
-	@mkdir -p $$(@D)
-	@printf '%s\n' '$$($2)' > $$@
-endef
 
 # ---- the chain -------------------------------------------------------------------------------------------------------
 # brick_PARTICLES_DENSITY-PACKING
@@ -81,16 +61,14 @@ $(OUT)/%/run.h5 $(OUT)/%/run.json &: $(OUT)/%/relaxed.h5 $(OUT)/%/scene.toml | $
 	@test ! -e $(@D)/run.h5 || touch $(@D)/run.h5 $(@D)/run.json
 	test -e $(@D)/run.h5 || $(parallel)$(BIN)/solve $^ $(@D)/run.h5 --resume --json $(@D)/run.json --quiet
 
-# ---- measures: NAME.csv and NAME.json by the tool of that name, with NAME.options of the case ---------------------------------
-measures := stress_strain volume_change equilibrium pores topology control_numbers
+# ---- measures: NAME.csv and NAME.json by every measure of that name, with NAME.options of the case ----------------------------
+shape_factor.outputs = --means $(@D)/shape_factor_means.csv
 define measure
 $$(OUT)/%/$1.csv $$(OUT)/%/$1.json &: $$(OUT)/%/run.h5 | $$(BIN)/$1
-	$$(BIN)/$1 $$< $$(@D)/$1.csv $$($1.options) $$(threads) --json $$(@D)/$1.json --quiet
+	$$(BIN)/$1 $$< $$(@D)/$1.csv $$($1.options) $$($1.outputs) $$(call threads_of,$1) --json $$(@D)/$1.json --quiet
 endef
-$(foreach name,$(measures),$(eval $(call measure,$(name))))
-$(OUT)/%/shape_factor.csv $(OUT)/%/shape_factor_means.csv $(OUT)/%/shape_factor.json &: $(OUT)/%/run.h5 | $(BIN)/shape_factor
-	$(BIN)/shape_factor $< $(@D)/shape_factor.csv $(shape_factor.options) $(threads) --means $(@D)/shape_factor_means.csv \
-	    --json $(@D)/shape_factor.json --quiet
+$(foreach name,$(measures_of_bin),$(eval $(call measure,$(name))))
+$(OUT)/%/shape_factor_means.csv: $(OUT)/%/shape_factor.csv ;
 
 # ---- figures and picture ----------------------------------------------------------------------------------------------
 expected := $(HERE)expected.toml

@@ -71,10 +71,10 @@ def best(results, trade):
             within = [one for one in known if one["error"] <= wanted]
             cells.append(f"{named(within[0], quantity)}: {within[0]['cpu']:.2g} s, {within[0]['mb']:.0f} MB" if within else "–")
         if known:
-            least = min(known, key=lambda one: one["error"])
-            cells.append(f"{100 * least['error']:.1f} %: {named(least, quantity)}, {least['cpu']:.2g} s")
+            finest = min(known, key=lambda one: one["error"])
+            cells.append(f"{100 * finest['error']:.1f} %: {named(finest, quantity)}, {finest['cpu']:.2g} s")
             lines.append(cells)
-    return rows(["quantity", *(f"{100 * wanted:g} %" for wanted in WANTED), "the least"], lines)
+    return rows(["quantity", *(f"{100 * wanted:g} %" for wanted in WANTED), "the smallest"], lines)
 
 
 def by_size(results):
@@ -159,10 +159,10 @@ def draw(results, trade, path):
         for k, law in enumerate(LAWS):
             of_law = [one for one in known if one["law"] == law]
             axis.scatter([one["cpu"] for one in of_law], [100 * one["error"] for one in of_law], s=14, color=f"C{k}", label=law.upper())
-        front, least = [], float("inf")
+        front, smallest = [], float("inf")
         for one in known:
-            if one["error"] < least:
-                least = one["error"]
+            if one["error"] < smallest:
+                smallest = one["error"]
                 front.append(one)
         axis.step([one["cpu"] for one in front], [100 * one["error"] for one in front], where="post", color="0.4", lw=0.8, zorder=0)
         axis.set(xscale="log", yscale="log", title=title, xlabel="CPU [s]", ylabel="error [%]")

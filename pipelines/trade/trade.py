@@ -39,10 +39,6 @@ class Results:
                  if row["quantity"] in QUANTITIES.get(quantity, [quantity])]
         return max(sorted(set(steps), key=float), key=steps.count, default=None)
 
-    def known(self, quantity):
-        """Whether the value that is right does not come from a run."""
-        return quantity in self.reference
-
     def truth(self, quantity, rate=1.0):
         """The value that is right; of what has none the mean of the finest step of the finest size of norton."""
         known = self.reference.get(quantity, {}).get(f"{rate:g}")
@@ -61,11 +57,3 @@ class Results:
 
 def spread(values):
     return statistics.stdev(values) if len(values) > 1 else 0.0
-
-
-def setting_error(results, quantity, **setting):
-    """|mean error| and spread of one of QUANTITIES: of several measured the greatest each."""
-    found = [results.errors(part, **setting) for part in QUANTITIES[quantity]]
-    if not all(found):
-        return None
-    return max(abs(statistics.mean(one)) for one in found), max(spread(one) for one in found)

@@ -163,7 +163,9 @@ class Workshop:
         return os.path.join(self.folder, name)
 
     def tool(self, name, *arguments):
-        subprocess.run([os.path.join(self.bin, name), *arguments, "--quiet", "--threads", "1"], check=True)
+        program = os.path.join(self.bin, name)
+        one_thread = ["--threads", "1"] if json.loads(subprocess.check_output([program, "--describe"]))["threads"] else []
+        subprocess.run([program, *arguments, "--quiet", *one_thread], check=True)
 
     def done(self, run):
         return os.path.exists(self.file(run.name + ".volume.csv"))

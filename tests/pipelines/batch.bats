@@ -39,8 +39,8 @@ changed_since() { find out -type f -newer "$1" ! -name log.txt ! -name status ! 
     batch -j2 2>err.txt || code=$?
     cat err.txt
     [ "$code" != 0 ]
-    grep -q "^broken: failed: volume_info: cannot read volume 'stacks/broken.tif'" err.txt
-    grep -q "^collect: broken: failed: volume_info: cannot read volume" err.txt
+    grep -qE "^broken: failed: (plan|volume_info): cannot read volume 'stacks/broken.tif'" err.txt
+    grep -qE "^collect: broken: failed: (plan|volume_info): cannot read volume" err.txt
     grep -q "^collect: a name.tif: failed: make cannot work with this name" err.txt
     [ "$(wc -l <out/batch.csv)" = 5 ]
     [ "$(value_of one status <out/batch.csv)" = "done" ]
@@ -48,7 +48,7 @@ changed_since() { find out -type f -newer "$1" ! -name log.txt ! -name status ! 
     [ "$(value_of two final_strain <out/batch.csv)" = -0.02 ]
     [ "$(value_of broken status <out/batch.csv)" = failed ]
     [[ "$(value_of broken error <out/batch.csv)" == *"cannot read volume"* ]]
-    for column in particles "seed_radius [mm]" "final_stress [MPa]" fraction_inclusion volume_change "cpu [s]" "peak_memory [MiB]"; do
+    for column in particles "seed_radius [mm]" "final_stress [MPa]" fraction_inclusion "volume_change_last [%]" "cpu [s]" "peak_memory [MiB]"; do
         [ -n "$(value_of one "$column" <out/batch.csv)" ]
     done
     for link in $(grep -oE '(src|href)="[^"]*"' out/index.html | sed -e 's/.*="//' -e 's/"//'); do
@@ -58,6 +58,24 @@ changed_since() { find out -type f -newer "$1" ! -name log.txt ! -name status ! 
     run -1 grep -q 'href="broken/report.html"' out/index.html
     grep -q -- '--voxel-size 10um' out/one/sample.json
     run -1 grep -q -- '--voxel-size' out/two/sample.json
+}
+
+@test "a new measure beside the tools has its columns in the table and on the page" {
+    make_stack stacks/one.tif 1
+    mkdir bin
+    cp "$TOMODEM_BIN/report" bin/
+    ln -s "$TOMODEM_BIN"/* bin/ 2>/dev/null || true
+    cp "$TOMODEM_SOURCE/tests/tools/report/new_measure" bin/sample_height
+    rm bin/tools.json
+    "$TOMODEM_SOURCE/tools/launcher/list_tools" bin >bin/tools.json
+    batch BIN=bin
+    height=$(/usr/bin/python3 -c 'import json; print("%.6g" % (json.load(open("out/one/sample_height.json"))["height_last"] * 0.1))')
+    [ "$(value_of one "height_last [cm]" <out/batch.csv)" = "$height" ]
+    [ "$(value_of one frames_measured <out/batch.csv)" = 5 ]
+    run -0 grep -c '<th>height at the end \[cm\]</th>' out/index.html
+    # Cases measure with it as well.
+    make -n --no-print-directory -f "$TOMODEM_SOURCE/pipelines/cases/two_phases/Makefile" BIN=bin OUT=cases cases/x-1/sample_height.json |
+        grep -q 'bin/sample_height cases/x-1/run.h5 cases/x-1/sample_height.csv'
 }
 
 @test "HDF5, ESRF's and raw stacks are found, with what says their layout; the voxels of a header are no stack" {
@@ -194,7 +212,7 @@ END
     same_run whole/one/run.h5 out/one/run.h5
 }
 
-@test "a checkpoint of another scene is not gone on with" {
+@test "a run does not resume from the checkpoint of another scene" {
     make_stack stacks/one.tif 1
     make_scene scene.toml 4e-7
     batch GOAL=run 3>&- &

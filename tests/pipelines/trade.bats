@@ -80,7 +80,7 @@ END
     grep -q 'not proposed: single, BILIN, size 300, step 0.2' sweep/trade.md
 }
 
-@test "a run that is stopped is not one that does not survive, and goes on" {
+@test "a run that is stopped is not one that does not survive, and resumes" {
     target=stopped/runs/single_bilin_300_1e-6_1_level-set_1.h5
     trade OUT=stopped bilin.steps=1e-6 "$target" 3>&- 2>err.txt &
     for _ in $(seq 200); do [ -e "$target.partial" ] && break; sleep 0.1; done

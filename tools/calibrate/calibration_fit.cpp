@@ -15,7 +15,7 @@
 #include "tools/metrics/curves/norton_regression.hpp"
 #include "tools/metrics/curves/strain_curves.hpp"
 
-namespace tomodem {
+namespace tomodem::calibrate {
 using namespace curves;
 namespace {
 
@@ -327,4 +327,4 @@ Calibration fit_calibration(const std::vector<MeasuredRun>& runs, const FitOptio
     return found;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::calibrate

@@ -7,7 +7,7 @@
 #include "core/scene/scene.hpp"
 
 /// From runs of one material to the table that turns norton = { K, M } into constants (docs/calibration.md).
-namespace tomodem {
+namespace tomodem::calibrate {
 
 /// Where the flow stress of a run is taken: the mean over |strain| within `window` of `at`.
 struct FlowStrain {
@@ -55,4 +55,4 @@ Calibration fit_calibration(const std::vector<MeasuredRun>& runs, const FitOptio
 /// The table as TOML text, which parse_calibration reads.
 std::string calibration_text(const Calibration& calibration);
 
-}  // namespace tomodem
+}  // namespace tomodem::calibrate

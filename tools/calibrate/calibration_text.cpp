@@ -3,7 +3,7 @@
 
 #include "tools/calibrate/calibration_fit.hpp"
 
-namespace tomodem {
+namespace tomodem::calibrate {
 namespace {
 
 std::string list(const auto& values) {
@@ -64,4 +64,4 @@ std::string calibration_text(const Calibration& table) {
     return text;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::calibrate

@@ -12,6 +12,7 @@
 
 namespace {
 using namespace tomodem;
+using namespace tomodem::calibrate;
 
 struct Request {
     std::vector<std::filesystem::path> runs;
@@ -21,20 +22,28 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage{"calibration_table", "Table of the flow stress of the laws from runs of one material."}
-        .inputs("RUN", request.runs, "runs of one phase, dense, at one rate each (.h5); any mixture of laws")
-        .output("TABLE", request.table, "for [accuracy] calibration of a scene, to write (.toml)")
+        .step(cli::Step::plan)
+        .inputs("RUN", request.runs,
+                "Runs (.h5) of one dense phase, each at one rate; runs of several laws may be mixed.")
+        .output("TABLE", request.table, "Table to write; a scene names it as calibration under [accuracy].", {".toml"})
         .option("--particles", request.options.particles, cli::Unit::particles, cli::positive,
-                "size that the table is of; the others say what the size changes; that of the most runs unless given")
+                "Make the table from the runs with this number of particles; the others say what the size changes. The "
+                "default is the number that most runs have.")
         .option("--strain-per-step", request.options.strain_per_step, cli::Unit::strain, cli::positive,
-                "law bilin: strain in a time step that the table is of; that of the most runs unless given")
-        .option("--at", request.options.where.at, cli::Unit::strain, cli::positive, "|strain| of the flow stress")
+                "Make the table of law bilin from the runs with this strain in a time step; the others say what the "
+                "time step changes. The default is the one that most runs have.")
+        .option("--at", request.options.where.at, cli::Unit::strain, cli::positive,
+                "Measure the flow stress at this |strain|.")
         .option("--window", request.options.where.window, cli::Unit::strain, cli::positive,
-                "the flow stress is the mean over |strain| within this distance of --at")
+                "Take the mean over |strain| within this distance of --at as the flow stress.")
         .option("--strain-error", request.options.strain_error, cli::Unit::fraction, cli::positive,
-                "the window of strain ends where the mean stress of some row is off its flow stress by this share")
-        .option("--name", request.options.name, "of the table, which solve tells")
+                "End the window of strain that the table holds for where the mean stress of a row differs from its "
+                "flow stress by this fraction.")
+        .option("--name", request.options.name,
+                "Name stored in the table; solve prints it. The default is the name of the file.")
         .output_option("--compare", request.curve,
-                       "every row beside the table that ships, with the spread over the packings (.csv)")
+                       "Also write every row beside the table that tomodem ships, with the spread over the packings.",
+                       {".csv"})
         .example("calibration_table runs/*.h5 my_table.toml --compare my_table.csv");
 }
 
@@ -68,7 +77,7 @@ std::vector<Compared> beside_the_shipped(const Calibration& table) {
     return rows;
 }
 
-void tell(const CalibrationWindow& window, const std::string& law, cli::Tool& tool) {
+void report_window(const CalibrationWindow& window, const std::string& law, cli::Tool& tool) {
     tool.report(law + "_packings", static_cast<std::int64_t>(window.packings));
     tool.report(law + "_strain_from", window.strain[0]);
     tool.report(law + "_strain_to", window.strain[1]);
@@ -77,7 +86,7 @@ void tell(const CalibrationWindow& window, const std::string& law, cli::Tool& to
         tool.note(fmt::format("law \"{}\": one packing has no spread, so the errors of the table are too small", law));
 }
 
-void tell(const DirectedErrors& error, const std::string& law, cli::Tool& tool) {
+void report_errors(const DirectedErrors& error, const std::string& law, cli::Tool& tool) {
     if (error.compression) tool.report(law + "_error_compression", 100 * *error.compression, "%");
     if (error.tension) tool.report(law + "_error_tension", 100 * *error.tension, "%");
 }
@@ -107,18 +116,18 @@ void run(const Request& request, cli::Tool& tool) {
 
     tool.report("runs", static_cast<std::int64_t>(runs.size()));
     if (table.bilin) {
-        tell(*table.bilin, "bilin", tool);
+        report_window(*table.bilin, "bilin", tool);
         tool.report("bilin_time_step_error",
                     100 * *std::max_element(table.bilin->time_step_error.begin(), table.bilin->time_step_error.end()),
                     "%");
     }
     if (table.trilin) {
-        tell(*table.trilin, "trilin", tool);
-        tell(table.trilin->error, "trilin", tool);
+        report_window(*table.trilin, "trilin", tool);
+        report_errors(table.trilin->error, "trilin", tool);
     }
     if (table.norton) {
-        tell(*table.norton, "norton", tool);
-        tell(table.norton->error, "norton", tool);
+        report_window(*table.norton, "norton", tool);
+        report_errors(table.norton->error, "norton", tool);
     }
     tool.report_json("rows", rows.json());
 }

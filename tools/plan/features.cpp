@@ -12,10 +12,10 @@
 #include "core/base/error.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
 
-namespace tomodem {
+namespace tomodem::plan {
 namespace {
 
-constexpr std::int64_t least_voxels = 27;
+constexpr std::int64_t min_voxels = 27;
 /// Void at the faces, share of the image: more is a foam.
 constexpr double foam_void = 0.3;
 
@@ -34,8 +34,8 @@ std::vector<double> gaps_to_faces(const Components& components, const Vec3& spac
         for (std::int32_t j = 0; j < size[1]; ++j) {
             const double across = std::min(to_ends(k, 2), to_ends(j, 1));
             for (std::int32_t i = 0; i < size[0]; ++i) {
-                double& least = gap[slice[static_cast<std::size_t>(j) * size[0] + i]];
-                least = std::min({least, across, to_ends(i, 0)});
+                double& nearest = gap[slice[static_cast<std::size_t>(j) * size[0] + i]];
+                nearest = std::min({nearest, across, to_ends(i, 0)});
             }
         }
     }
@@ -108,7 +108,7 @@ ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int t
         if (marked ? !phase.objects : phase.label == matrix) continue;
         std::vector<double> diameters;
         for (const std::int64_t voxels : connected_components(volume, {phase.label}).voxels)
-            if (voxels >= least_voxels)
+            if (voxels >= min_voxels)
                 diameters.push_back(equivalent_diameter(static_cast<double>(voxels) * voxel_volume));
         add(Feature::Kind::objects, phase.name, diameters);
     }
@@ -121,7 +121,7 @@ ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int t
     for (std::size_t k = 0; k < voids.voxels.size(); ++k) {
         if (gap[k + 1] == 0) {
             open_voxels += voids.voxels[k];
-        } else if (voids.voxels[k] >= least_voxels) {
+        } else if (voids.voxels[k] >= min_voxels) {
             diameters.push_back(equivalent_diameter(static_cast<double>(voids.voxels[k]) * voxel_volume));
             found.pore_gaps.push_back(gap[k + 1]);
         }
@@ -137,4 +137,4 @@ ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int t
     return found;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::plan

@@ -7,7 +7,7 @@
 #include "core/volume/volume.hpp"
 
 /// What in an image must be resolved by particles.
-namespace tomodem {
+namespace tomodem::plan {
 
 /// Sizes of the objects, the closed pores or the struts of an image.
 struct Feature {
@@ -41,4 +41,4 @@ ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int t
 /// Half of the sum of the third powers is in larger ones.
 double median_by_volume(std::vector<double> diameters);
 
-}  // namespace tomodem
+}  // namespace tomodem::plan

@@ -11,7 +11,7 @@
 #include "core/scene/load_path.hpp"
 #include "core/scene/model.hpp"
 
-namespace tomodem {
+namespace tomodem::plan {
 namespace {
 
 /// Settings between two points of the table that are tried, and the ratio of two seed radii tried.
@@ -64,9 +64,9 @@ class Search {
     Search(const ImageFeatures& image, const PlanRequest& request, const TradeTable& table, std::vector<Quantity> of)
         : image_(image), request_(request), table_(table), of_(std::move(of)) {}
 
-    /// The cheapest within the error under one law; `least` becomes the setting of the least error seen.
+    /// The cheapest within the error under one law; `closest` becomes the setting of the smallest error seen.
     /// @throws InvalidInput if the law cannot hold the scene
-    std::optional<Proposal> best(Law law, std::optional<Proposal>& least) const {
+    std::optional<Proposal> best(Law law, std::optional<Proposal>& closest) const {
         const LawTrade& trade = table_.law.at(law);
         for (const Quantity quantity : of_)
             if (!trade.curve.contains(quantity))
@@ -90,7 +90,7 @@ class Search {
                     refused = error.what();
                     break;
                 }
-                if (!least || tried.error() < least->error()) least = tried;
+                if (!closest || tried.error() < closest->error()) closest = tried;
                 if (tried.error() <= request_.error) {
                     if (!found || cost(tried) < cost(*found)) found = tried;
                     break;
@@ -98,7 +98,7 @@ class Search {
                 if (radius <= finest) break;
             }
         }
-        if (!least && !refused.empty()) throw InvalidInput(refused);
+        if (!closest && !refused.empty()) throw InvalidInput(refused);
         return found;
     }
 
@@ -148,7 +148,7 @@ class Search {
             error.quantity = quantity;
             error.resolution = resolution(quantity, tried.seed_radius, trade.density);
             error.parts = curve.error(error.resolution, tried.choice.step);
-            error.parts.rates = std::max(decades * curve.rate_error, is_stress(quantity) ? misfit : 0.0);
+            error.parts.rates = std::max(decades * curve.rate_error.value_or(0), is_stress(quantity) ? misfit : 0.0);
             tried.errors.push_back(error);
             tried.bytes = std::max(tried.bytes, curve.bytes[0] + curve.bytes[1] * tried.particles);
             particle_step = std::max(particle_step, curve.particle_step);
@@ -204,19 +204,19 @@ Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const Tra
     plan.of = request.of.empty() ? quantities_of(image, scene) : request.of;
     check_asked(plan.of, image);
     const Search search(image, request, table, plan.of);
-    std::optional<Proposal> least;
+    std::optional<Proposal> closest;
     std::vector<Proposal> found;
     for (const auto& [law, trade] : table.law) {
         if (request.law && law != *request.law) continue;
         try {
-            std::optional<Proposal> least_of_law;
-            if (auto one = search.best(law, least_of_law)) found.push_back(*one);
-            if (least_of_law && (!least || least_of_law->error() < least->error())) least = least_of_law;
+            std::optional<Proposal> closest_of_law;
+            if (auto one = search.best(law, closest_of_law)) found.push_back(*one);
+            if (closest_of_law && (!closest || closest_of_law->error() < closest->error())) closest = closest_of_law;
         } catch (const InvalidInput& error) {
             plan.not_taken.emplace_back(law, error.what());
         }
     }
-    if (!least) {
+    if (!closest) {
         std::string why;
         for (const auto& [law, reason] : plan.not_taken)
             why += fmt::format("{}{}: {}", why.empty() ? "" : "; ", name_of(law), reason);
@@ -224,13 +224,14 @@ Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const Tra
     }
     if (found.empty()) {
         const auto worst = std::max_element(
-            least->errors.begin(), least->errors.end(),
+            closest->errors.begin(), closest->errors.end(),
             [](const PredictedError& a, const PredictedError& b) { return a.parts.total() < b.parts.total(); });
         throw InvalidInput(fmt::format(
-            "an error of {:g} % is out of reach: the least is {:.2g} % of {}, with law \"{}\", {} = {:.4g} and {:.0f} "
+            "an error of {:g} % is out of reach: the smallest is {:.2g} % of {}, with law \"{}\", {} = {:.4g} and "
+            "{:.0f} "
             "particles; {} limits it",
-            100 * request.error, 100 * worst->parts.total(), name_of(worst->quantity), name_of(least->choice.law),
-            least->choice.key(), least->choice.step, least->particles, worst->parts.largest()));
+            100 * request.error, 100 * worst->parts.total(), name_of(worst->quantity), name_of(closest->choice.law),
+            closest->choice.key(), closest->choice.step, closest->particles, worst->parts.largest()));
     }
     std::sort(found.begin(), found.end(),
               [](const Proposal& a, const Proposal& b) { return Search::cost(a) < Search::cost(b); });
@@ -239,4 +240,4 @@ Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const Tra
     return plan;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::plan

@@ -9,7 +9,7 @@
 #include "tools/plan/scene_text.hpp"
 #include "tools/plan/trade_table.hpp"
 
-namespace tomodem {
+namespace tomodem::plan {
 
 /// What is wanted of a simulation.
 struct PlanRequest {
@@ -51,11 +51,11 @@ struct Plan {
 /// What `of` is when the user says nothing: the stress, S_f, pores or struts, by what the image has.
 std::vector<Quantity> quantities_of(const ImageFeatures& image, const Scene& scene);
 
-/// Looks through laws, time steps and resolutions of the table, and what lies between them, for the least CPU time.
+/// Looks through laws, time steps and resolutions of the table, and what lies between them, for the smallest CPU time.
 ///
 /// A law is tried if the scene, with it, parses and compiles: BILIN refuses tension, each law has its M, NORTON does
 /// not go with self-contact.
-/// @throws InvalidInput if no setting keeps within the error: says the least that is in reach and what limits it
+/// @throws InvalidInput if no setting keeps within the error: says the smallest that is in reach and what limits it
 Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const TradeTable& table);
 
-}  // namespace tomodem
+}  // namespace tomodem::plan

@@ -10,7 +10,7 @@
 #include "core/base/error.hpp"
 #include "tools/plan/trade_table.hpp"
 
-namespace tomodem {
+namespace tomodem::plan {
 namespace {
 
 struct Edit {
@@ -126,4 +126,4 @@ Scene readable_scene(const std::string& text, const std::string& name) {
     }
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::plan

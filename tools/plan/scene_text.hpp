@@ -3,7 +3,7 @@
 
 #include "core/scene/scene.hpp"
 
-namespace tomodem {
+namespace tomodem::plan {
 
 /// The setting that a plan chooses in a scene.
 struct SceneChoice {
@@ -24,4 +24,4 @@ std::string with_choice(const std::string& text, const SceneChoice& choice, cons
 /// @throws InvalidInput what is wrong with the text as it is, if no law can
 Scene readable_scene(const std::string& text, const std::string& name);
 
-}  // namespace tomodem
+}  // namespace tomodem::plan

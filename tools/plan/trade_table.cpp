@@ -7,8 +7,9 @@
 #include "core/base/error.hpp"
 #include "core/base/toml_reader.hpp"
 #include "tools/plan/shipped_trade.hpp"
+#include "tools/plan/toml_text.hpp"
 
-namespace tomodem {
+namespace tomodem::plan {
 namespace {
 
 constexpr std::int64_t format = 1;
@@ -21,7 +22,7 @@ TradeCurve read_curve(TomlReader& reader) {
     curve.spread = reader.list("spread", curve.resolution.size());
     curve.step = reader.rising("step");
     curve.step_error = reader.list("step_error", curve.step.size());
-    if (reader.find("rate_error") != nullptr) curve.rate_error = reader.number("rate_error");
+    curve.rate_error = reader.optional("rate_error");
     curve.particle_step = reader.positive("particle_step");
     curve.bytes = reader.pair("bytes");
     curve.prepare = reader.pair("prepare");
@@ -86,12 +87,7 @@ ErrorParts TradeCurve::error(double at_resolution, double at_step) const {
 }
 
 TradeTable parse_trade(const std::string& text, const std::string& file) {
-    toml::table root;
-    try {
-        root = toml::parse(text, file);
-    } catch (const toml::parse_error& error) {
-        throw InvalidInput(fmt::format("table '{}' line {}: {}", file, error.source().begin.line, error.description()));
-    }
+    const toml::table root = parse_toml(text, fmt::format("table '{}'", file));
     TomlReader all(root, "", fmt::format("table '{}'", file));
     auto trade = all.table("trade");
     if (!trade) throw InvalidInput(fmt::format("table '{}' has no [trade]; pipelines/trade makes one", file));
@@ -112,4 +108,4 @@ const TradeTable& shipped_trade() {
     return table;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::plan

@@ -9,7 +9,7 @@
 
 /// What accuracy costs, as measured (docs/trade.md): errors of what a simulation is made for, against resolution and
 /// time step of each law, and what a step of it takes.
-namespace tomodem {
+namespace tomodem::plan {
 
 /// What a user may want to be right.
 enum class Quantity {
@@ -42,8 +42,9 @@ struct TradeCurve {
     std::vector<double> resolution;    ///< rising
     std::vector<double> bias, spread;  ///< of each: |mean error| and standard deviation over the packings
     std::vector<double> step,
-        step_error;                       ///< rising: strain_per_step, of NORTON equilibrium_error; and what it changes
-    double rate_error = 0;                ///< where the rate falls to a tenth of the one that constants are chosen for
+        step_error;  ///< rising: strain_per_step, of NORTON equilibrium_error; and what it changes
+    /// Where the rate falls to a tenth of the one that constants are chosen for; none: not measured.
+    std::optional<double> rate_error;
     double particle_step = 0;             ///< CPU time of a particle in a step [s]
     std::array<double, 2> bytes{0, 0};    ///< of memory, at most: of an empty process, and of each particle
     std::array<double, 2> prepare{0, 0};  ///< CPU time of filling and relaxing: a + b N (N / 1000)^(1/3) [s]
@@ -70,4 +71,4 @@ TradeTable parse_trade(const std::string& text, const std::string& file);
 /// The one that tomodem ships (tools/plan/trade.toml).
 const TradeTable& shipped_trade();
 
-}  // namespace tomodem
+}  // namespace tomodem::plan

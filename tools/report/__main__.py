@@ -1,4 +1,5 @@
 """report: one page about a run, with its pictures, curves, tables, topology and a 3-D view; needs no network to be read."""
+import argparse
 import contextlib
 import os
 import pathlib
@@ -6,24 +7,25 @@ import re
 import sys
 import tempfile
 
-from command_line import InvalidInput, Option, Progress, Usage, WrongUsage, main, write_atomically
+from command_line import Argument, InvalidInput, Progress, Usage, main, write_atomically
 from run_facts import RunFacts, Steps
 
 
 def size_text(text):
     if not re.fullmatch(r"[1-9]\d{2,3}x[1-9]\d{2,3}", text):
-        raise WrongUsage(f"--size '{text}' is not WIDTHxHEIGHT with 100 to 9999 pixels each, as 960x720")
+        raise argparse.ArgumentTypeError(f"'{text}' is not WIDTHxHEIGHT with 100 to 9999 pixels each, as 960x720")
     return text
 
 
 USAGE = Usage(
     "report",
-    "One self-contained page about a run: curves, tables, pictures, topology, cost and a 3-D view to turn.",
-    [("RUN", "run or sample (.h5)")],
-    ("REPORT", "page to write (.html)"),
-    [Option("--with", "FOLDER", "where the measures, meshes and pictures are that are there already, and where the others are "
-                                "kept; else they are made for the page and forgotten", pathlib.Path),
-     Option("--size", "TEXT", "width and height of the pictures in pixels [default 960x720]", size_text, "960x720")],
+    "One self-contained page about a run: curves, tables, pictures, topology, cost and a 3-D view that can be turned.",
+    "picture",
+    [Argument("RUN", "input", "Run or sample (.h5) to report on."),
+     Argument("REPORT", "output", "Page to write.", formats=(".html", ".htm")),
+     Argument("--with", "text", "Use the measures, meshes and pictures that are in this folder, and keep there those that "
+                                "have to be made. Without the option they are made for the page and not kept.", "FOLDER"),
+     Argument("--size", "text", "Width and height of the pictures in pixels.", "TEXT", size_text, "960x720")],
     ["report run.h5 report.html", "report run.h5 report.html --with out/run"],
 )
 
@@ -62,8 +64,6 @@ def cost_of_view(shop, pieces):
 
 
 def run_report(request):
-    if request["REPORT"].suffix not in (".html", ".htm"):
-        raise WrongUsage(f"REPORT '{request['REPORT']}': the name must end in .html")
     run = RunFacts(request["RUN"])
     with contextlib.ExitStack() as stack:
         folder = request["--with"]
@@ -82,17 +82,20 @@ def make_page(request, run, folder, stack):
     import view_meshes
     from page import Page
 
+    tools = pieces.described_tools(tools_folder())
     frames = view_meshes.chosen_frames(run.frame_count)
     surfaces = pieces.surfaces(run, frames)
-    wanted = [*pieces.measures(run), *pieces.pictures(run, request["--size"]), *surfaces]
-    shop = stack.enter_context(pieces.Workshop(run, folder, tools_folder(), request))
+    measures = pieces.measures(run, tools)
+    wanted = [*measures, *pieces.pictures(run, request["--size"]), *surfaces]
+    shop = stack.enter_context(pieces.Workshop(run, folder, tools_folder(), tools, request))
     progress = stack.enter_context(Progress(request, len(wanted) + 1))
     shop.make_all(wanted, progress)
 
     packed, bounds, triangles = view_meshes.pack_layers(layers(run, shop, frames), frames, request.threads)
     steps = Steps(run, [folder, run.path.parent])
-    page = Page(run, shop, steps, {"frames": frames, "layers": packed, "bounds": bounds, "triangles": triangles,
-                                   "costs": cost_of_view(shop, surfaces)})
+    displays = {piece.name: tools[piece.tool]["display"] for piece in measures if shop.has(piece.name)}
+    page = Page(run, shop, steps, displays, {"frames": frames, "layers": packed, "bounds": bounds, "triangles": triangles,
+                                             "costs": cost_of_view(shop, surfaces)})
     text = page.text()
     write_atomically(request["REPORT"], text)
 

@@ -1,7 +1,9 @@
-"""The house command line for a tool in Python: one declaration, and from it parsing, checks, --help, the reference page.
+"""The command line of every tool, for one in Python: one declaration, and from it parsing (argparse), checks, --help and
+what the launcher and the reference read.
 
-The texts and the exit status are those of core/cli/cli.hpp: 0 done, 1 failed, 2 wrong usage; one line on stderr.
+Texts and exit status are those of core/cli: 0 done, 1 failed, 2 wrong usage; one line on stderr.
 """
+import argparse
 import dataclasses
 import json
 import os
@@ -23,51 +25,104 @@ class WrongUsage(Exception):
 
 
 @dataclasses.dataclass
-class Option:
-    """--name VALUE: a folder, an input file, or (value "INTEGER", "WIDTHxHEIGHT", ...) what `parse` makes of the text."""
+class Argument:
+    """A positional argument (NAME) or an option (--name VALUE), as core/cli describes it."""
 
     name: str
-    value: str
+    kind: str  # input, output, integer, text
     help: str
-    parse: object = str
+    value: str = ""  # how --help calls what an option takes
+    parse: object = pathlib.Path
     default: object = None
+    formats: tuple = ()  # extensions that an output accepts
+
+    @property
+    def positional(self):
+        return not self.name.startswith("--")
+
+    def full_help(self):
+        remarks = [" or ".join(self.formats)] * bool(self.formats)
+        remarks += [f"default {self.default}"] * (self.default is not None)
+        return self.help + (f" [{'; '.join(remarks)}]" if remarks else "")
+
+    def shown(self):
+        return self.name if self.positional else f"{self.name} {self.value}"
 
 
 @dataclasses.dataclass
 class Usage:
     tool: str
     purpose: str
-    inputs: list  # (name, help)
-    output: tuple  # (name, help)
-    options: list
+    step: str  # of the chain, as core/cli names them
+    arguments: list
     examples: list
 
-    def common(self):
-        return [
-            Option("--threads", "INTEGER", "threads to use [default: every core that this process may use]", threads_number),
-            Option("--json", "FILE", "also write the results, units, time and memory as JSON", pathlib.Path),
-        ]
+    def positionals(self):
+        return [one for one in self.arguments if one.positional]
 
     def help_text(self):
-        rows = [(name, text) for name, text in [*self.inputs, self.output]]
-        rows += [(f"{one.name} {one.value}", one.help) for one in [*self.options, *self.common()]]
-        rows += [("--quiet", "print errors only"), ("--help", "print this text"), ("--version", "print the version")]
-        width = max(len(name) for name, _ in rows)
-        words = " ".join(name for name, _ in [*self.inputs, self.output])
-        table = "\n".join(f"  {name:<{width}}  {text}" for name, text in rows)
-        examples = "\n".join(f"  {one}" for one in self.examples)
-        return f"{self.tool}: {self.purpose}\n\nusage: {self.tool} {words} [options]\n\n{table}\n\nexamples:\n{examples}\n"
+        rows = [(f"  {one.shown()}", one.full_help())
+                for one in sorted(self.arguments, key=lambda one: not one.positional)]
+        rows += [("  --threads INTEGER", "Number of threads. [default: one for every core that this process may use]"),
+                 ("  --json FILE", "Also write the results, their units, time and memory to this file as JSON."),
+                 ("  --quiet", "Print warnings and errors only."), ("  --help", "Print this text."),
+                 ("  --version", "Print the version."), ("  --describe", "Print this usage as JSON, for other programs.")]
+        width = max(min(len(name), 34) for name, _ in rows)
+        table = "".join(f"{name:<{width}}  {text}\n" for name, text in rows)
+        words = " ".join(one.name for one in self.positionals())
+        examples = "".join(f"  {one}\n" for one in self.examples)
+        return f"{self.tool}: {self.purpose}\n\nusage: {self.tool} {words} [options]\n\n{table}\nexamples:\n{examples}"
 
     def reference_page(self):
-        rows = [*self.inputs, self.output, *((f"{one.name} {one.value}", one.help) for one in self.options)]
-        table = "\n".join(f"| `{name}` | {text} |" for name, text in rows)
-        examples = "\n".join(f"    {one}" for one in self.examples)
-        return f"## {self.tool}\n\n{self.purpose}\n\n| argument | what it is |\n|---|---|\n{table}\n\n{examples}\n"
+        def in_cell(text):
+            return text.replace("|", "\\|")
+
+        rows = "".join(f"| `{in_cell(one.shown())}` | {in_cell(one.full_help())} |\n" for one in self.arguments)
+        examples = "".join(f"\n    {one}\n" for one in self.examples)
+        return f"## {self.tool}\n\n{self.purpose}\n\n| argument | what it is |\n|---|---|\n{rows}{examples}"
+
+    def description(self):
+        arguments = [{"name": one.name, "kind": one.kind, "required": one.positional, "help": one.full_help(),
+                      **({"formats": list(one.formats)} if one.formats else {})} for one in self.arguments]
+        return json.dumps({"name": self.tool, "purpose": self.purpose, "step": self.step, "threads": True,
+                           "arguments": arguments, "exclusive": [], "examples": self.examples, "display": None},
+                          indent=2, ensure_ascii=False) + "\n"
+
+    def parser(self, version):
+        parser = Parser(prog=self.tool, add_help=False, allow_abbrev=False)
+        for one in self.arguments:
+            place = {} if one.positional else {"dest": one.name, "metavar": one.value}
+            parser.add_argument(one.name, type=one.parse, default=one.default, **place)
+        parser.add_argument("--threads", dest="--threads", metavar="INTEGER", type=threads_number)
+        parser.add_argument("--json", dest="--json", metavar="FILE", type=pathlib.Path)
+        parser.add_argument("--quiet", dest="--quiet", action="store_true")
+        for flag, text in (("--help", self.help_text()), ("-h", self.help_text()),
+                           ("--version", f"{self.tool} (tomodem) {version}\n"), ("--describe", self.description()),
+                           ("--help-markdown", self.reference_page())):
+            parser.add_argument(flag, dest=flag, action=Print, text=text)
+        return parser
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        raise WrongUsage(f"{message.removeprefix('argument ')}; see {self.prog} --help")
+
+
+class Print(argparse.Action):
+    """Prints a text and ends, whatever else stands on the command line."""
+
+    def __init__(self, option_strings, dest, text):
+        super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS)
+        self.text = text
+
+    def __call__(self, parser, *_):
+        sys.stdout.write(self.text)
+        parser.exit()
 
 
 def threads_number(text):
     if not text.isdigit() or not 1 <= int(text) <= 4096:
-        raise WrongUsage(f"--threads '{text}' is not a whole number of at least 1 and at most 4096")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 1 and at most 4096")
     return int(text)
 
 
@@ -77,44 +132,24 @@ class Request:
     def __init__(self, usage, version, words):
         self.usage, self.version = usage, version
         self.command_line = shlex.join([usage.tool, *words])
-        self.quiet = "--quiet" in words
+        self.values = vars(usage.parser(version).parse_args(words))
+        self.quiet = self["--quiet"]
         self.results, self.units = {}, {}
-        self.values = self.parsed([word for word in words if word != "--quiet"])
-        self.threads = self.values["--threads"] or len(os.sched_getaffinity(0))
+        self.threads = self["--threads"] or len(os.sched_getaffinity(0))
 
     def __getitem__(self, name):
         return self.values[name]
 
-    def parsed(self, words):
-        tool = self.usage.tool
-        options = {one.name: one for one in [*self.usage.options, *self.usage.common()]}
-        values = {name: one.default for name, one in options.items()}
-        files = []
-        while words:
-            word, *words = words
-            name, equals, value = word.partition("=")
-            if not word.startswith("-"):
-                files.append(word)
-            elif name not in options:
-                raise WrongUsage(f"The following argument was not expected: {word}; see {tool} --help")
-            else:
-                if not equals:
-                    if not words:
-                        raise WrongUsage(f"{name}: 1 required {options[name].value} missing; see {tool} --help")
-                    value, *words = words
-                values[name] = options[name].parse(value)
-        names = [name for name, _ in [*self.usage.inputs, self.usage.output]]
-        if len(files) != len(names):
-            raise WrongUsage(f"expected {len(names)} files ({', '.join(names)}) but got {len(files)}; see {tool} --help")
-        values.update(zip(names, map(pathlib.Path, files)))
-        return values
-
     def check_files(self):
-        inputs = [(name, self[name]) for name, _ in self.usage.inputs]
+        of_kind = {kind: [one.name for one in self.usage.positionals() if one.kind == kind] for kind in ("input", "output")}
+        inputs = [(name, self[name]) for name in of_kind["input"]]
         for name, path in inputs:
             if not path.exists():
                 raise InvalidInput(f"cannot read {name} '{path}': there is no such file or folder")
-        for name in (self.usage.output[0], "--json"):
+        for one in self.usage.arguments:
+            if one.formats and self[one.name].suffix not in one.formats:
+                raise WrongUsage(f"{one.name} '{self[one.name]}': the name must end in {' or '.join(one.formats)}")
+        for name in (*of_kind["output"], "--json"):
             if self[name] is None:
                 continue
             path = self[name]
@@ -195,20 +230,12 @@ def main(usage, version, run):
     start = time.monotonic()
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda number, _: sys.exit(128 + number))
-    words = sys.argv[1:]
     try:
-        if "--help" in words or "-h" in words:
-            print(usage.help_text(), end="")
-        elif "--version" in words:
-            print(f"{usage.tool} (tomodem) {version}")
-        elif "--help-markdown" in words:
-            print(usage.reference_page(), end="")
-        else:
-            request = Request(usage, version, words)
-            request.check_files()
-            run(request)
-            if request["--json"]:
-                write_summary(request, time.monotonic() - start)
+        request = Request(usage, version, sys.argv[1:])
+        request.check_files()
+        run(request)
+        if request["--json"]:
+            write_summary(request, time.monotonic() - start)
         sys.stdout.flush()
         return 0
     except WrongUsage as error:

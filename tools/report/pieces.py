@@ -23,12 +23,13 @@ class Piece:
     words: tuple  # of the command line, after the run
     files: tuple  # names of what it makes, the output of the command first
     source: str = ""  # another piece's file in the place of the run
-    wide: bool = False  # works on several frames at once
+    wide: bool = False  # a measure that works on all threads alone
+    optional: bool = False  # nothing is said where it cannot be made
 
 
 class Workshop:
-    def __init__(self, run, folder, tools, request):
-        self.run, self.folder, self.tools, self.request = run, folder, tools, request
+    def __init__(self, run, folder, tools_folder, tools, request):
+        self.run, self.folder, self.tools_folder, self.tools, self.request = run, folder, tools_folder, tools, request
         self.made, self.reused, self.failed = [], [], {}
         self.children, self.lock = set(), threading.Lock()
         (folder / "view").mkdir(parents=True, exist_ok=True)
@@ -56,7 +57,7 @@ class Workshop:
         return os.path.realpath(source) in real_paths(words[1:2], self.run.path.parent)
 
     def executable(self, tool):
-        path = self.tools / tool
+        path = self.tools_folder / tool
         if not os.access(path, os.X_OK):
             raise InvalidInput(f"the executable {tool} is not at '{path}'; build all of tomodem, or install it")
         return path
@@ -73,7 +74,9 @@ class Workshop:
         source = self.folder / piece.source if piece.source else self.run.path
         outputs = {name: self.folder / name for name in piece.files}
         words = [str(outputs.get(word, word)) for word in piece.words]
-        command = [self.executable(piece.tool), source, outputs[piece.files[0]], *words, "--quiet", "--threads", str(threads),
+        if self.tools[piece.tool]["threads"]:
+            words += ["--threads", str(threads)]
+        command = [self.executable(piece.tool), source, outputs[piece.files[0]], *words, "--quiet",
                    "--json", self.folder / f"{piece.name}.json"]
         child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                  text=True, errors="replace")
@@ -84,7 +87,7 @@ class Workshop:
             self.children.discard(child)
         if child.returncode == 0:
             self.made.append(piece.name)
-        else:
+        elif not piece.optional:
             line = complaint.strip().splitlines()[-1:] or [f"{piece.tool}: ended with status {child.returncode}"]
             self.failed[piece.name] = line[0]
 
@@ -101,6 +104,8 @@ class Workshop:
                 progress(piece.name)
             else:
                 self.executable(piece.tool)
+                if piece.tool not in self.tools:
+                    raise InvalidInput(f"'{self.tools_folder / 'tools.json'}' does not hold {piece.tool}; build all of tomodem")
                 self.keep_what_is_not_ours(piece)
                 todo.append(piece)
         threads = self.request.threads
@@ -125,27 +130,44 @@ class Workshop:
         return name in self.made or name in self.reused
 
 
-def measures(run):
-    """The tables that the run has the curves, frames and objects for."""
-    found = []
-    if {"strain", "stress_true", "stress_engineering", "equilibrium_error"} <= run.curves.keys():
-        found.append(Piece("stress_strain", "stress_strain", (), ("stress_strain.csv",)))
-    if {"strain", "force_top", "force_bottom"} <= run.curves.keys():
-        largest = max(abs(strain) for strain in run.curves["strain"][1])
-        found.append(Piece("equilibrium", "equilibrium", ("--from", f"{2 / 3 * largest:.6g}"), ("equilibrium.csv",)))
-    if run.objects:
-        found.append(Piece("shape_factor", "shape_factor", ("--means", "shape_factor_means.csv"),
-                           ("shape_factor.csv", "shape_factor_means.csv")))
-    if run.frame_count > 1:
-        found.append(Piece("volume_change", "volume_change", (), ("volume_change.csv",), wide=True))
-    found.append(Piece("topology", "topology", ("--events", "topology_events.csv"),
-                       ("topology.csv", "topology_events.csv"), wide=True))
-    found.append(Piece("pores", "pores", ("--each", "pores_each.csv"), ("pores.csv", "pores_each.csv"), wide=True))
-    found.append(Piece("coordination", "coordination", (), ("coordination.csv",)))
-    found.append(Piece("crystallinity", "crystallinity", (), ("crystallinity.csv",)))
-    if {"kinetic_energy", "potential_energy", "force_top"} <= run.curves.keys() and run.provenance.scene:
-        found.append(Piece("control_numbers", "control_numbers", (), ("control_numbers.csv",)))
-    return found
+def described_tools(folder):
+    """Name -> what the tool says of itself, of all that stand in a folder of executables."""
+    path = folder / "tools.json"
+    try:
+        return {tool["name"]: tool for tool in json.loads(path.read_text())}
+    except (OSError, ValueError, TypeError, KeyError):
+        raise InvalidInput(f"the list of the tools is not at '{path}'; build all of tomodem, or install it") from None
+
+
+def measures(run, tools):
+    """A table of each measure that is among the tools: those known here that the run has the curves, frames or objects for,
+    in this order, with their tables of details; then every other one."""
+    largest = max((abs(strain) for strain in run.curves.get("strain", [0, [0]])[1]), default=0)
+    known = {
+        "stress_strain": {"strain", "stress_true", "stress_engineering", "equilibrium_error"} <= run.curves.keys(),
+        "equilibrium": {"strain", "force_top", "force_bottom"} <= run.curves.keys(),
+        "volume_change": run.frame_count > 1,
+        "shape_factor": bool(run.objects),
+        "object_shapes": bool(run.objects),
+        "topology": True,
+        "pores": True,
+        "coordination": True,
+        "crystallinity": True,
+        "control_numbers": {"kinetic_energy", "potential_energy", "force_top"} <= run.curves.keys() and bool(run.provenance.scene),
+    }
+    words = {
+        "equilibrium": ("--from", f"{2 / 3 * largest:.6g}"),
+        "shape_factor": ("--means", "shape_factor_means.csv"),
+        "topology": ("--events", "topology_events.csv"),
+        "pores": ("--each", "pores_each.csv"),
+    }
+    shown = [name for name, tool in tools.items() if tool["display"]]
+    others = sorted(name for name in shown if name not in known)
+    return [
+        Piece(name, name, words.get(name, ()), (f"{name}.csv", *(word for word in words.get(name, ()) if word.endswith(".csv"))),
+              wide=tools[name]["threads"], optional=name not in known and not run.curves)
+        for name in [*(name for name, possible in known.items() if possible and name in shown), *others]
+    ]
 
 
 def pictures(run, size):

@@ -1,4 +1,4 @@
-"""Curves as drawings inside the page (SVG), one function each; a curve that the run does not have is not drawn."""
+"""The plot of a measure as a drawing inside the page (SVG), from the columns that it declares; two measures have more to show."""
 import io
 import itertools
 import logging
@@ -10,7 +10,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from words import BLUE, GREY, INDIGO, INK, ORANGE  # noqa: E402
+from words import BLUE, GREY, INDIGO, INK, ORANGE, in_unit  # noqa: E402
 
 numbers = itertools.count(1)
 
@@ -36,11 +36,81 @@ def drawn(draw):
     return svg[svg.index("<svg"):]
 
 
+COLOURS = (INK, ORANGE, BLUE, INDIGO)
+STRESS_UNITS = ("Pa", "kPa", "MPa", "GPa")
+# A curve whose middle value is below this share of its largest would lie flat on the axis: it is drawn over a logarithmic one.
+FLAT = 0.05
+
+
 def strain_axis(axes, strain):
     """Monotonous loads against |strain|; one that turns back against strain itself."""
     turns = len(strain) > 2 and np.min(np.diff(strain)) < 0 < np.max(np.diff(strain))
     axes.set(xlabel="true strain" if turns else "|true strain|")
     return strain if turns else np.abs(strain)
+
+
+def of_all_particles(table):
+    """The rows of all phases together, of a table that has others beside them."""
+    if "species" not in table or "object" in table:
+        return table
+    rows = [k for k, one in enumerate(table["species"]) if one == "" or one != one]
+    return {name: np.array(column)[rows] for name, column in table.items()}
+
+
+def numeric(column):
+    return isinstance(column, np.ndarray) and column.dtype.kind in "fiu"
+
+
+def measure(name, display, table, more):
+    """The declared plot, or nothing: of a single point, or where nothing changes.
+
+    @param more  what else the page knows: scene, shares (label -> share of a dense sample of several phases), means
+    """
+    table = of_all_particles(table)
+    x = display["x"]
+    shown = [one for one in display["curves"] if numeric(table.get(one["key"]))]
+    if not x or not shown or not numeric(table.get(x["key"])):
+        return ""
+    values = [one["factor"] * table[one["key"]] for one in shown]
+    known = np.concatenate(values)
+    known = known[np.isfinite(known)]
+    if len(np.unique(table[x["key"]])) < 2 or not len(known) or np.all(known == known[0]):
+        return ""
+    pressed = x["key"] == "strain" and np.all(table["strain"] <= 0)
+
+    def draw(axes):
+        at = strain_axis(axes, table["strain"]) if x["key"] == "strain" else x["factor"] * table[x["key"]]
+        if x["key"] != "strain":
+            axes.set(xlabel=in_unit(x["label"], x["unit"]))
+        compressive = pressed and all(one["unit"] in STRESS_UNITS for one in shown)
+        lines = [-one for one in values] if compressive else values
+        counts = all(not one["unit"] for one in shown) and np.all(known == np.rint(known))
+        flat = np.min(known) >= 0 and np.median(known) < FLAT * np.max(known) and not counts
+        for one, line, colour in zip(shown, lines, itertools.cycle(COLOURS)):
+            if "object" in table:
+                for number in np.unique(table["object"]):
+                    rows = table["object"] == number
+                    axes.plot(at[rows], line[rows], color=GREY, lw=0.6, alpha=0.6)
+                axes.plot([], [], color=GREY, lw=0.8, label="each object")
+            elif counts:
+                axes.step(at, line, where="mid", color=colour, lw=1.8, label=one["label"])
+            else:
+                rows = line > 0 if flat else np.isfinite(line)
+                axes.plot(at[rows], line[rows], color=colour, lw=1.8, marker="o" if len(at) <= 100 else None, ms=3, label=one["label"])
+        units = {one["unit"] for one in shown}
+        label = shown[0]["label"] if len(shown) == 1 else "stress" if compressive else "number" if counts else ""
+        axes.set(ylabel=in_unit(("compressive " if compressive else "") + label, units.pop() if len(units) == 1 else ""))
+        if flat:
+            axes.set_yscale("log")
+        elif counts or (len(shown) == 1 and shown[0]["unit"] == "%" and np.min(known) >= 0):
+            axes.set(ylim=(0, None))
+        if counts:
+            axes.yaxis.get_major_locator().set_params(integer=True)
+        ADDED.get(name, lambda *_: None)(axes, at, pressed, more)
+        if len(axes.get_legend_handles_labels()[0]) > 1:
+            axes.legend(loc="best")
+
+    return drawn(draw)
 
 
 def norton_of_phases(scene):
@@ -55,76 +125,21 @@ def norton_of_phases(scene):
     }
 
 
-def stress(curve, scene, shares):
-    """@param shares  label -> share of the sample, of a dense one of several phases"""
-    def draw(axes):
-        strain = strain_axis(axes, curve["strain"])
-        one_way = np.all(curve["strain"] <= 0)
-        sign = -1 if one_way else 1
-        axes.plot(strain, sign * curve["stress_true"] / 1e6, color=INK, lw=2, label="true stress")
-        axes.plot(strain, sign * curve["stress_engineering"] / 1e6, color=GREY, lw=1.4, label="engineering stress")
-        of_phase = norton_of_phases(scene)
-        if one_way and shares and all(label in of_phase for label in shares):
-            mixture = sum(share * of_phase[label] for label, share in shares.items())
-            axes.axhline(mixture / 1e6, color=BLUE, lw=1.2, ls="--", label="phases in parallel (Norton)")
-        axes.set(ylabel=("compressive " if one_way else "") + "stress [MPa]")
-        axes.legend(loc="lower right" if one_way else "best")
-
-    return drawn(draw)
+def mixture(axes, _, pressed, more):
+    """The flow stress of the phases in parallel, beside the stress of the whole."""
+    of_phase, shares = norton_of_phases(more["scene"]), more["shares"]
+    if pressed and shares and all(label in of_phase for label in shares):
+        stress = sum(share * of_phase[label] for label, share in shares.items())
+        axes.axhline(stress / 1e6, color=BLUE, lw=1.2, ls="--", label="phases in parallel (Norton)")
 
 
-def shapes(objects, means):
-    def draw(axes):
-        at = strain_axis(axes, means["strain"])
-        for name in np.unique(objects["object"]):
-            rows = objects["object"] == name
-            x = objects["strain"][rows] if axes.get_xlabel() == "true strain" else objects["abs_strain"][rows]
-            axes.plot(x, objects["shape_factor"][rows], color=GREY, lw=0.6, alpha=0.6)
-        axes.plot([], [], color=GREY, lw=0.8, label="each object")
-        mean = means["shape_factor_weighted"]
-        axes.plot(at, mean, color=ORANGE, lw=2.4, label="mean, by volume")
-        axes.plot(at, mean[0] * np.exp(1.5 * means["strain"]), color=INK, lw=1.2, ls="--",
-                  label="if it followed the planes")
-        axes.set(ylabel="shape factor H/D")
-        axes.legend(loc="best")
-
-    return drawn(draw)
+def mean_shape(axes, _, __, more):
+    """The mean of the objects, and the shape of one that follows the planes."""
+    means = more["means"]
+    at = means["strain"] if axes.get_xlabel() == "true strain" else np.abs(means["strain"])
+    mean = means["shape_factor_weighted"]
+    axes.plot(at, mean, color=ORANGE, lw=2.4, label="mean, by volume")
+    axes.plot(at, mean[0] * np.exp(1.5 * means["strain"]), color=INK, lw=1.2, ls="--", label="if it followed the planes")
 
 
-def volume(curve):
-    def draw(axes):
-        axes.plot(strain_axis(axes, curve["strain"]), 100 * curve["volume_change"], color=INK, lw=2, marker="o", ms=3)
-        axes.set(ylabel="volume change [%]")
-
-    return drawn(draw)
-
-
-def equilibrium(curve):
-    def draw(axes):
-        known = curve["equilibrium_error"] > 0
-        strain = strain_axis(axes, curve["strain"])
-        axes.semilogy(strain[known], 100 * curve["equilibrium_error"][known], color=INK, lw=1.4)
-        axes.set(ylabel="equilibrium error [%]", ylim=(1e-2, None))
-
-    return drawn(draw)
-
-
-def porosity(table):
-    def draw(axes):
-        axes.plot(strain_axis(axes, table["strain"]), 100 * table["porosity"], color=INDIGO, lw=2, marker="o", ms=3)
-        axes.set(ylabel="porosity [%]", ylim=(0, None))
-
-    return drawn(draw)
-
-
-def topology(table):
-    def draw(axes):
-        strain = strain_axis(axes, table["strain"])
-        for name, label, colour, style in (("b0", "parts", INK, "-"), ("b1", "handles", ORANGE, "--"),
-                                           ("b2", "closed pores", INDIGO, "-")):
-            axes.step(strain, table[name], where="mid", color=colour, ls=style, lw=1.8, label=label)
-        axes.yaxis.get_major_locator().set_params(integer=True)
-        axes.set(ylabel="number, of any size", ylim=(0, None))
-        axes.legend(loc="best")
-
-    return drawn(draw)
+ADDED = {"stress_strain": mixture, "shape_factor": mean_shape}

@@ -125,7 +125,7 @@ class Layer:
     name: str
     colour_of: typing.Callable[[int], str]  # of a body
     paths: dict[int, pathlib.Path]
-    numbers: str = "body"  # what its triangles are told apart by
+    numbers: str = "body"  # what distinguishes its triangles
 
 
 def packed(surface, low, high):

@@ -46,7 +46,21 @@ def read_table(path):
 
 def number(value, digits=3):
     text, _, power = f"{value:.{digits}g}".replace("-", "−").partition("e")
-    return f"{text}·10<sup>{int(power.replace('−', '-'))}</sup>".replace("-", "−") if power else text
+    return f"{text}·10{str(int(power.replace('−', '-'))).translate(SUPERSCRIPT)}" if power else text
+
+
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def in_unit(text, unit):
+    """As the label of an axis or of a column."""
+    return f"{text} [{unit}]".strip() if unit else text
+
+
+def quantity(value, unit, digits=4):
+    """A whole number as it is, another one with so many digits; with its unit."""
+    text = count(value) if isinstance(value, int) else number(value, digits)
+    return f"{text} {unit}".strip()
 
 
 def fixed(value, digits):

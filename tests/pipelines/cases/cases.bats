@@ -23,7 +23,9 @@ talking_solve() {
     mkdir bin
     ln -s "$TOMODEM_BIN"/* bin/
     rm bin/solve
-    printf '#!/bin/bash\nexec "%s/solve" "${@/--quiet/--threads=1}"\n' "$TOMODEM_BIN" >bin/solve
+    # shellcheck disable=SC2016
+    printf '#!/bin/bash\nfor word; do [ "$word" = --quiet ] || words+=("$word"); done\nexec "%s/solve" "${words[@]}"\n' \
+        "$TOMODEM_BIN" >bin/solve
     chmod +x bin/solve
     TOMODEM_BIN=bin
 }
@@ -78,7 +80,7 @@ stop_in_the_middle() {
     [ ! -e "out/$RUN/run.h5.checkpoint" ]
 }
 
-@test "a changed scene does not go on from the checkpoint of another, and makes a finished run again" {
+@test "a changed scene does not resume from the checkpoint of another, and makes a finished run again" {
     own_cases
     export CASES RUN
     stop_in_the_middle INT
@@ -208,13 +210,13 @@ steps = [ { strain = -0.3, rate = 1e-3 } ]
 END
     "$CASES/vary.py" scene.toml phase.a.law='"norton"' seed_radius=0.4 accuracy.frames=3 load.axis='"x"' >other.toml
     diff - other.toml <<'END'
-seed_radius = 0.4
+seed_radius = 0.4   # mm
 [phase.a]           # hard
 label = 1
-law = "norton"
+law = "norton"       # or norton
 [load]
-axis = "x"
 steps = [ { strain = -0.3, rate = 1e-3 } ]
+axis = "x"
 
 [accuracy]
 frames = 3

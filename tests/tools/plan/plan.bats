@@ -76,7 +76,7 @@ END
     for comment in '# A composite of mine.' '# or another' '# little' '# fine'; do grep -qF "$comment" proposed.toml; done
     # The commands that it prints, as they stand.
     for tool in packgen vol2pack relax; do
-        eval "$(sed -n "s/^command_$tool: //p" <<<"$output") --threads 1 --quiet"
+        eval "$(sed -n "s/^command_$tool: //p" <<<"$output") --quiet"
     done
     eval "$(sed -n 's/^command_solve: //p' <<<"$output") --explain --json explain.json --quiet"
     particles=$(sed -n 's/^particles: //p' <<<"$output")
@@ -102,14 +102,14 @@ open("grey.raw", "wb").write(np.where(x*x + y*y + z*z < 12**2, 200, 100).astype(
     [[ $output == *'vol2pack brick.h5 grey.raw sample.h5 --voxel-size 0.005mm --threshold 50,150 --raw-size 40x40x40 --raw-type uint8 --relabel 1=1,2=2 --pixels-per-seed '*' --objects 2'* ]]
 }
 
-@test "an error out of reach is refused with the least and what limits it; nothing is written" {
+@test "an error out of reach is refused with the smallest in reach and what limits it; nothing is written" {
     table > table.toml
     run -1 plan "$image" proposed.toml --scene scene.toml --error 4% --of shape_factor --table table.toml --quiet
-    [ "$output" = 'plan: an error of 4 % is out of reach: the least is 5 % of shape_factor, with law "bilin", strain_per_step = 0.0001 and '"$(sed -n 's/.*e-*0*1 and \([0-9]*\) particles.*/\1/p;s/.*= 0.0001 and \([0-9]*\) particles.*/\1/p' <<<"$output" | head -1)"' particles; resolution limits it' ]
+    [ "$output" = 'plan: an error of 4 % is out of reach: the smallest is 5 % of shape_factor, with law "bilin", strain_per_step = 0.0001 and '"$(sed -n 's/.*e-*0*1 and \([0-9]*\) particles.*/\1/p;s/.*= 0.0001 and \([0-9]*\) particles.*/\1/p' <<<"$output" | head -1)"' particles; resolution limits it' ]
     [ ! -e proposed.toml ]
 }
 
-@test "pores that carve takes as open, and loads that the table was not measured under, are told" {
+@test "pores that carve takes as open, and loads that the table was not measured under, are noted" {
     phantom_pores pores.tif --size 60 --voxel-size 10um --porosity 0.04 --median-diameter 250um --spread 0 --clusters 0 --gap 3 --quiet
     printf '[phase.a]\nlabel = 1\nlaw = "norton"\nnorton = { K = 50, M = 0.1 }\n[load]\nsteps = [ { strain = -0.2, rate = 1e-3 } ]\n' > s.toml
     run -0 plan pores.tif --scene s.toml --error 20%
@@ -131,7 +131,36 @@ open("grey.raw", "wb").write(np.where(x*x + y*y + z*z < 12**2, 200, 100).astype(
     [ "$(grep -c 'law = "norton"' proposed.toml)" -eq 2 ]
 }
 
+@test "for a number of particles it writes the scene of the labels and the options of the chain, which the tools accept" {
+    plan "$image" made.toml --particles 2000 --options options --json plan.json --quiet
+    holds plan.json 'abs(j["particles"] / 2000 - 1) < 0.02 and j["options"]["shape_factor"] == "--min-particles 20"'
+    grep -q '^--pixels-per-seed .* --labels 1=matrix,2=inclusion --objects 2 --min-component ' options/vol2pack
+    packgen brick.h5 --particles 2000 --density 0.7 --quiet
+    # shellcheck disable=SC2046
+    vol2pack brick.h5 "$image" sample.h5 $(cat options/vol2pack) --json sample.json --quiet
+    holds sample.json 'abs(j["particles"] / 2000 - 1) < 0.1 and j["objects"] == 4'
+    solve sample.h5 made.toml run.h5 --explain --quiet
+    # Of another load the sample's options are not written, and those of the load need no image.
+    sed 's/-0.05/-0.1/' scene.toml > other.toml
+    plan "$image" other_made.toml --scene other.toml --particles 2000 --options load --write load --quiet
+    cmp other.toml other_made.toml
+    [ "$(cat load/equilibrium)" = "--from 0.0666667" ]
+    [ "$(ls load)" = "$(printf 'equilibrium\npress')" ]
+    plan "$image" none.toml --scene other.toml --particles 2000 --options sample --write sample --quiet
+    [ ! -e none.toml ]
+    cmp sample/mesh_recon options/mesh_recon
+    [ ! -e sample/press ]
+}
+
 @test "what is wrong is said in one line" {
+    run -2 plan "$image" proposed.toml --scene scene.toml
+    [[ $output == 'plan: give --error, --particles or --pixels-per-seed'* ]]
+    run -2 plan "$image" proposed.toml --scene scene.toml --error 5% --labels 1=a,2=b
+    [[ $output == 'plan: --labels goes with --particles or --pixels-per-seed'* ]]
+    run -2 plan "$image" --particles 2000
+    [[ $output == 'plan: give PROPOSED'* ]]
+    run -1 plan "$image" proposed.toml --particles 20
+    [[ $output == 'plan: the largest inclusion would have '*' particles, too few to have a shape; give --pixels-per-seed '* ]]
     run -2 plan "$image" proposed.toml --error 5%
     [[ $output == 'plan: give the --scene'* ]]
     run -2 plan "$image" proposed.toml --scene scene.toml --error 5% --of shape

@@ -5,7 +5,7 @@
 #include "core/volume/volume.hpp"
 
 /// Volumes of 10 um voxels drawn by a rule, and scenes for them.
-namespace tomodem::drawn {
+namespace tomodem::plan::drawn {
 
 inline constexpr double voxel = 0.01;  ///< mm
 
@@ -55,4 +55,4 @@ objects = true
 steps = [ { strain = -0.3, rate = 1e-3 } ]
 )";
 
-}  // namespace tomodem::drawn
+}  // namespace tomodem::plan::drawn

@@ -7,7 +7,7 @@
 #include "core/base/error.hpp"
 #include "tests/unit/plan/drawn.hpp"
 
-namespace tomodem {
+namespace tomodem::plan {
 namespace {
 
 using testing::HasSubstr;
@@ -97,4 +97,4 @@ TEST(Features, RejectAPhaseThatTheImageDoesNotHave) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::plan

@@ -8,7 +8,7 @@
 #include "core/base/error.hpp"
 #include "tests/unit/plan/drawn.hpp"
 
-namespace tomodem {
+namespace tomodem::plan {
 namespace {
 
 using testing::AllOf;
@@ -51,10 +51,10 @@ TEST(Plan, TakesTheParticlesAcrossThatTheTableHasAtTheError) {
     request.law = Law::bilin;
     const Plan plan = planned(drawn::balls({12, 12}, 2), drawn::two_phases, request);
     // 0.2 - 0.15 log4(r / 4) = 0.1 is r = 4 4^(2/3) at the finest step; the cheapest step may ask for more.
-    const double least = 4 * std::pow(4, 2.0 / 3);
+    const double smallest = 4 * std::pow(4, 2.0 / 3);
     const double across = plan.proposal.errors.at(0).resolution;
-    EXPECT_GE(across, least);
-    EXPECT_LE(across, 1.2 * least);
+    EXPECT_GE(across, smallest);
+    EXPECT_LE(across, 1.2 * smallest);
     EXPECT_NEAR(plan.proposal.seed_radius, 0.24 / (2 * across), 0.002 * plan.proposal.seed_radius);
     EXPECT_LE(plan.proposal.error(), 0.1);
     EXPECT_GT(plan.proposal.error(), 0.09);
@@ -142,7 +142,7 @@ TEST(Plan, RejectsAnErrorOutOfReachWithTheLeastAndWhatLimitsIt) {
     PlanRequest request;
     request.error = 0.01;
     EXPECT_THAT([&] { planned(drawn::balls({12}, 2), drawn::two_phases, request); },
-                ThrowsMessage<InvalidInput>(AllOf(HasSubstr("an error of 1 % is out of reach: the least is 2.5 %"),
+                ThrowsMessage<InvalidInput>(AllOf(HasSubstr("an error of 1 % is out of reach: the smallest is 2.5 %"),
                                                   HasSubstr("law \"norton\""), HasSubstr("resolution limits it"))));
 }
 
@@ -166,4 +166,4 @@ TEST(Plan, OfASceneThatNoLawCanHoldSaysWhyOfEach) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::plan

@@ -5,7 +5,7 @@
 #include "core/base/error.hpp"
 #include "tests/unit/plan/drawn.hpp"
 
-namespace tomodem {
+namespace tomodem::plan {
 namespace {
 
 using testing::HasSubstr;
@@ -91,4 +91,4 @@ TEST(SceneText, TellsWhatIsWrongWithTheUsersOwnText) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::plan

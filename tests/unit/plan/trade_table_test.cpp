@@ -7,7 +7,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tomodem {
+namespace tomodem::plan {
 namespace {
 
 using testing::HasSubstr;
@@ -85,4 +85,4 @@ TEST(TradeTable, RejectsWhatIsWrongWithItsLine) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::plan

@@ -1,0 +1,76 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+#include "core/volume/volume.hpp"
+
+/// What the chain from an image to its report needs to know besides the image, when the size of the particles is given.
+namespace tomodem::plan {
+
+/// A label of the image that is not void.
+struct SolidLabel {
+    std::int32_t label = 0;
+    std::int64_t voxels = 0;
+    std::int64_t largest_component = 0;  ///< voxels of its largest component, connected by faces
+};
+
+/// The solid labels of an image, that with most voxels first.
+/// @throws InvalidInput if it is a grey image (more than 16 values), or all void
+std::vector<SolidLabel> solid_labels(const LabelVolume& volume);
+
+/// What the user wants of the sample.
+struct SampleRequest {
+    std::optional<double> particles;            ///< number of particles to aim at; or
+    std::optional<double> pixels_per_seed;      ///< radius of a particle [voxels]
+    double density = 0.7;                       ///< D of the brick
+    std::map<std::int32_t, std::string> names;  ///< of the labels; empty: those of the scene, or made up
+};
+
+/// A shape is measured of objects of at least this many particles.
+inline constexpr std::int64_t min_particles_of_shape = 20;
+
+/// The scene of a run, and what the tools that show and measure it need of its load.
+struct LoadPlan {
+    std::string scene;  ///< text: the user's own, or the one proposed
+    char axis = 'z';
+    double largest_strain = 0;  ///< magnitude
+};
+
+LoadPlan load_of(const Scene& scene, const std::string& scene_text);
+
+struct SamplePlan {
+    std::map<std::int32_t, std::string> names;  ///< of the solid labels
+    std::vector<std::int32_t> objects;          ///< labels whose components are objects, rising
+    std::int32_t shown = 0;                     ///< the label that pictures and meshes show alone
+    bool inclusions = false;                    ///< there is more than the matrix
+    double pixels_per_seed = 0;                 ///< radius of a particle [voxels]
+    double seed_radius = 0;                     ///< [mm]
+    double particles = 0;                       ///< expected number
+    std::int64_t min_component = 0;             ///< smaller components are taken out of the image [voxels]
+    double probe_radius = 0;                    ///< of the surfaces [mm]
+    LoadPlan load;
+};
+
+/// The matrix is the label with most voxels; the others are inclusions, each component of which is an object. Without a
+/// scene of the user, the matrix gets the constants of phase A of the thesis (94 MPa at 1e-3 /s, hardly rate-sensitive)
+/// and inclusions those of its phase B (170 MPa, M = 0.49), pressed along z to a strain of -0.3.
+///
+/// In a porous image (solid below 98 %), components too small to have a shape are taken out: loose between the planes,
+/// they would carry the first load. Probes of 1.6 particle radii wrap a surface around dense particles without holes.
+///
+/// @param scene  of the user; none: one is proposed
+/// @throws InvalidInput if names or scene do not fit the labels of the image, or if the largest object has too few
+///         particles to have a shape
+SamplePlan plan_sample(const LabelVolume& volume, const std::vector<SolidLabel>& solid, const SampleRequest& request,
+                       const std::optional<Scene>& scene, const std::string& scene_text);
+
+/// Options of the tools of the chain: file name -> one line of options. Those of the sample depend on the image.
+std::map<std::string, std::string> sample_options(const SamplePlan& plan);
+/// Those that follow from the load alone.
+std::map<std::string, std::string> load_options(const LoadPlan& load);
+
+}  // namespace tomodem::plan
