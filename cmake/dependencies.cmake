@@ -1,4 +1,4 @@
-# Every library is a Debian package named in packages/debian.txt; heavy ones are linked only where they are used.
+# Every library is a Debian package named in packages/debian.txt (GoogleTest: packages/debian-test.txt); heavy ones are linked only where they are used.
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
@@ -11,8 +11,9 @@ find_package(TIFF REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(LibXml2 REQUIRED)
 find_package(MPI REQUIRED COMPONENTS CXX)
-find_package(GTest REQUIRED)
-find_package(benchmark REQUIRED)
+if(BUILD_TESTING)
+    find_package(GTest REQUIRED)
+endif()
 pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
 
 # Never two HDF5 in one process: the Open MPI build everywhere.

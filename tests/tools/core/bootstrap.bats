@@ -2,7 +2,7 @@
 # ./bootstrap on systems where it cannot do its work.
 
 @test "it does nothing where every package is there" {
-    run "$TOMODEM_SOURCE/bootstrap"
+    run "$TOMODEM_SOURCE/bootstrap" "$TOMODEM_SOURCE"/packages/debian*.txt
     [ "$status" -eq 0 ]
     [ -z "$output" ]
 }
@@ -13,6 +13,15 @@
     run env PATH="$BATS_TEST_TMPDIR/bin" sh "$TOMODEM_SOURCE/bootstrap"
     [ "$status" -eq 1 ]
     [[ "$output" == *"no apt"* && "$output" == *"libopenvdb-dev"* ]]
+}
+
+@test "the tools' list is what it installs where none is named; the tests' packages are in a list of their own" {
+    mkdir "$BATS_TEST_TMPDIR/bin"
+    for command in sh sed dirname; do ln -s "$(command -v $command)" "$BATS_TEST_TMPDIR/bin/"; done
+    run env PATH="$BATS_TEST_TMPDIR/bin" sh "$TOMODEM_SOURCE/bootstrap"
+    [[ "$output" != *"libgtest-dev"* ]]
+    run env PATH="$BATS_TEST_TMPDIR/bin" sh "$TOMODEM_SOURCE/bootstrap" "$TOMODEM_SOURCE/packages/debian-test.txt"
+    [[ "$output" == *"libgtest-dev"* && "$output" != *"libopenvdb-dev"* ]]
 }
 
 @test "without root and sudo it says what an administrator must install" {
