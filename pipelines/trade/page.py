@@ -74,7 +74,7 @@ def best(results, trade):
             least = min(known, key=lambda one: one["error"])
             cells.append(f"{100 * least['error']:.1f} %: {named(least, quantity)}, {least['cpu']:.2g} s")
             lines.append(cells)
-    return rows(["quantity", *(f"{100 * wanted:g} %" for wanted in WANTED), "smallest error"], lines)
+    return rows(["quantity", *(f"{100 * wanted:g} %" for wanted in WANTED), "the smallest"], lines)
 
 
 def by_size(results):
