@@ -12,13 +12,13 @@ ORDER = ["single_material", "two_phases", "composite", "casting_pores", "open_ce
 INTRODUCTION = """# The cases of the thesis, computed again
 
 Made by `make docs` from what the full run of each case recorded in its folder, `pipelines/cases/NAME` (`figures.csv`, `picture.png`).
-Take the nearest one for your own material: its README is ten lines, its scene is what you change.
+For your own material start from the nearest case: read its README (ten lines) and change its scene.
 
     make case CASE=two_phases                 # the small variant: a minute, and the same figures from few particles
     make case CASE=two_phases SIZE=full       # the one below
 
-Means over packings ± their standard deviation. "Less than the spread": the difference from the reference is smaller than that, and so no
-difference that these runs can show. The bounds that `check` holds a figure to are in `expected.toml`."""
+Values are means over packings ± their standard deviation. "Less than the spread" means that the difference from the reference is smaller than that
+deviation, so these runs cannot show it. The bounds within which `check` accepts a figure are in `expected.toml`."""
 
 
 def cell(row):

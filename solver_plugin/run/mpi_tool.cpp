@@ -1,23 +1,11 @@
 #include "solver_plugin/run/mpi_tool.hpp"
 
 #include <mpi.h>
-#include <time.h>
 
 #include "core/packing/hdf5_file.hpp"
+#include "solver_plugin/simulation/completes_soon.hpp"
 
 namespace tomodem {
-
-bool completes_soon(MPI_Request& request) {
-    constexpr int patience_hundredths = 500;
-    int arrived = 0;
-    for (int waited = 0; waited < patience_hundredths; ++waited) {
-        MPI_Test(&request, &arrived, MPI_STATUS_IGNORE);
-        if (arrived) return true;
-        const timespec pause{0, 10'000'000};
-        nanosleep(&pause, nullptr);
-    }
-    return false;
-}
 
 MpiTool::MpiTool(int& argc, char**& argv) {
     hdf5_lock();  // HDF5 that finds MPI running hooks itself into its end, and crashes there after a full disk

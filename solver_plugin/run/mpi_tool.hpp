@@ -5,9 +5,6 @@
 
 namespace tomodem {
 
-/// How a process that failed waits for the others: whether the request completes within five seconds.
-bool completes_soon(MPI_Request& request);
-
 /// MPI of a tool, from its beginning to its end.
 class MpiTool {
  public:

@@ -12,8 +12,8 @@
 #include "solver_plugin/liggghts/fix_watch.hpp"
 #include "solver_plugin/liggghts/lateral_box.hpp"
 #include "solver_plugin/liggghts/planes.hpp"
-#include "solver_plugin/liggghts/session.hpp"
 #include "solver_plugin/liggghts/surfaces.hpp"
+#include "solver_plugin/simulation/session.hpp"
 #include "solver_plugin/simulation/simulation.hpp"
 
 namespace tomodem::plugin {

@@ -1,4 +1,4 @@
-#include "solver_plugin/liggghts/session.hpp"
+#include "solver_plugin/simulation/session.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "core/base/error.hpp"
 #include "solver_plugin/liggghts/registration.hpp"
-#include "solver_plugin/run/mpi_tool.hpp"
+#include "solver_plugin/simulation/completes_soon.hpp"
 
 namespace tomodem::plugin {
 namespace {
