@@ -144,7 +144,7 @@ void Tool::report_json(const std::string& key, const nlohmann::ordered_json& val
 
 void Tool::report_lines(const std::string& key, const std::vector<std::string>& lines) {
     results_->values[key] = lines;
-    if (quiet_ || silent_) return;
+    if (line_.quiet || silent_) return;
     for (const std::string& line : lines) std::printf("%s\n", line.c_str());
 }
 
