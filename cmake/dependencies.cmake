@@ -1,4 +1,5 @@
-# Every library is a Debian package named in packages/debian.txt (GoogleTest: packages/debian-test.txt); heavy ones are linked only where they are used.
+# Every library is a Debian package named in packages/debian.txt (GoogleTest: packages/debian-test.txt); heavy ones are linked only
+# where they are used.
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)

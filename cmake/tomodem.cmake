@@ -17,8 +17,8 @@ function(tomodem_library name)
     endif()
 endfunction()
 
-# tomodem_tool(NAME SOURCE LIBS ...): executable build/bin/NAME, installed. Its own source is compiled with -O2: what takes time
-# when a tool runs is in the libraries, with -O3.
+# tomodem_tool(NAME SOURCE LIBS ...): executable build/bin/NAME, installed. Its own source is compiled with -O2: what takes
+# time when a tool runs is in the libraries, with -O3.
 function(tomodem_tool name source)
     cmake_parse_arguments(arg "" "" "LIBS" ${ARGN})
     add_executable(${name} ${source})
@@ -38,8 +38,7 @@ function(tomodem_measures folder)
     foreach(source ${sources})
         cmake_path(GET source STEM name)
         if(arg_DESTINATION)
-            add_executable(${name} ${source})
-            target_link_libraries(${name} PRIVATE ${arg_LIBS} tomodem_cli tomodem_core tomodem_warnings)
+            tomodem_test_executable(${name} SOURCES ${source} LIBS ${arg_LIBS} tomodem_cli)
             set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${arg_DESTINATION})
         else()
             tomodem_tool(${name} ${source} LIBS ${arg_LIBS})
