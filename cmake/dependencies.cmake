@@ -1,9 +1,11 @@
-# Every library is a Debian package named in packages/debian.txt (GoogleTest: packages/debian-test.txt); heavy ones are linked only where they are used.
+# Every library is a Debian package named in packages/debian.txt (GoogleTest: packages/debian-test.txt); heavy ones are linked only
+# where they are used.
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
+find_package(CGAL REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(OpenSSL REQUIRED)

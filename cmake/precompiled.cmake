@@ -7,7 +7,7 @@ set(tomodem_precompiled_headers
     <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <nlohmann/json.hpp> <oneapi/tbb/parallel_for.h>)
 
 # tomodem_precompile(NAME LIBRARY|EXECUTABLE LIBS ... HEADERS ...): what targets of this kind name in REUSE_FROM. Code of
-# libraries (-fPIC) and of executables (-fPIE) cannot share them.
+# libraries (-fPIC), of executables (-fPIE) and of what links CGAL (-frounding-math) cannot share them.
 function(tomodem_precompile name kind)
     cmake_parse_arguments(arg "" "" "LIBS;HEADERS" ${ARGN})
     set(source ${CMAKE_BINARY_DIR}/generated/${name}.cpp)
@@ -24,3 +24,8 @@ endfunction()
 
 tomodem_precompile(tomodem_library_headers LIBRARY)
 tomodem_precompile(tomodem_tool_headers EXECUTABLE)
+target_compile_options(tomodem_tool_headers PRIVATE $<$<CONFIG:Release>:-O2>)
+tomodem_precompile(tomodem_cgal_headers LIBRARY LIBS CGAL::CGAL
+    HEADERS <CGAL/Delaunay_triangulation_3.h> <CGAL/Delaunay_triangulation_cell_base_3.h>
+            <CGAL/Exact_predicates_inexact_constructions_kernel.h> <CGAL/Triangulation_cell_base_with_info_3.h>
+            <CGAL/Triangulation_vertex_base_with_info_3.h>)

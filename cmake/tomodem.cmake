@@ -5,22 +5,25 @@ target_link_options(tomodem_warnings INTERFACE -Wl,--as-needed)
 include(${CMAKE_CURRENT_LIST_DIR}/precompiled.cmake)
 
 # tomodem_library(NAME SOURCES ... LIBS ...): static library tomodem_NAME, headers found from the repository's root.
-# CGAL's code is compiled with -frounding-math, so a library that links it cannot reuse the precompiled headers.
 function(tomodem_library name)
     cmake_parse_arguments(arg "" "" "SOURCES;LIBS;PRIVATE_LIBS" ${ARGN})
     add_library(tomodem_${name} STATIC ${arg_SOURCES})
     target_include_directories(tomodem_${name} PUBLIC ${PROJECT_SOURCE_DIR})
     target_link_libraries(tomodem_${name} PUBLIC ${arg_LIBS} PRIVATE ${arg_PRIVATE_LIBS} tomodem_warnings)
-    if(NOT CGAL::CGAL IN_LIST arg_PRIVATE_LIBS)
+    if(CGAL::CGAL IN_LIST arg_PRIVATE_LIBS)
+        target_precompile_headers(tomodem_${name} REUSE_FROM tomodem_cgal_headers)
+    else()
         target_precompile_headers(tomodem_${name} REUSE_FROM tomodem_library_headers)
     endif()
 endfunction()
 
-# tomodem_tool(NAME SOURCE LIBS ...): executable build/bin/NAME, installed.
+# tomodem_tool(NAME SOURCE LIBS ...): executable build/bin/NAME, installed. Its own source is compiled with -O2: what takes
+# time when a tool runs is in the libraries, with -O3.
 function(tomodem_tool name source)
     cmake_parse_arguments(arg "" "" "LIBS" ${ARGN})
     add_executable(${name} ${source})
     target_link_libraries(${name} PRIVATE ${arg_LIBS} tomodem_cli tomodem_core tomodem_warnings)
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O2>)
     target_precompile_headers(${name} REUSE_FROM tomodem_tool_headers)
     install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
     set_property(GLOBAL APPEND PROPERTY TOMODEM_TOOLS ${name})
@@ -35,8 +38,7 @@ function(tomodem_measures folder)
     foreach(source ${sources})
         cmake_path(GET source STEM name)
         if(arg_DESTINATION)
-            add_executable(${name} ${source})
-            target_link_libraries(${name} PRIVATE ${arg_LIBS} tomodem_cli tomodem_core tomodem_warnings)
+            tomodem_test_executable(${name} SOURCES ${source} LIBS ${arg_LIBS} tomodem_cli)
             set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${arg_DESTINATION})
         else()
             tomodem_tool(${name} ${source} LIBS ${arg_LIBS})
