@@ -140,7 +140,7 @@ ForceBalance Simulation::force_balance() {
         const LAMMPS_NS::Atom& atoms = s.atom();
         Forces seen{{atoms.tag, atoms.tag + atoms.nlocal}, {}, 0};
         seen.net.assign(seen.tags.size(), Vec3::Zero());
-        s.pair->tell_forces([&](int i, int j, const double* force, const double*) {
+        s.pair->pair_forces([&](int i, int j, const double* force, const double*) {
             const Vec3 vector(force);
             const double size = vector.norm();
             seen.net[static_cast<std::size_t>(i)] += vector;
@@ -273,7 +273,7 @@ RowBlock Simulation::stress_rows() const {
     constexpr int first[] = {0, 1, 2, 0, 0, 1}, second[] = {0, 1, 2, 1, 2, 2};
     const double over_volume = 1 / (volume_per_particle() * std::pow(s.scale, 3));
     std::vector<double> values(6 * mine);
-    s.pair->tell_forces([&](int i, int j, const double* force, const double* apart) {
+    s.pair->pair_forces([&](int i, int j, const double* force, const double* apart) {
         for (int k = 0; k < 6; ++k) {
             // From the centre to the contact it is half the way to the neighbour.
             const double part = -0.5 * force[first[k]] * apart[second[k]] * over_volume;

@@ -22,7 +22,6 @@ enum class Quantity {
 inline constexpr std::array quantities{Quantity::flow_stress, Quantity::composite_stress, Quantity::shape_factor,
                                        Quantity::pore_volume, Quantity::foam_stress};
 const char* name_of(Quantity quantity);
-const char* name_of(Law law);
 bool is_stress(Quantity quantity);
 
 /// An error in the parts that have nothing to do with each other; shares of the quantity.
@@ -61,7 +60,7 @@ struct LawTrade {
 
 struct TradeTable {
     std::string name, processor;
-    std::map<Law, LawTrade> law;
+    std::map<std::string, LawTrade, std::less<>> law;
 };
 
 /// @param file  stands for the text in errors

@@ -116,7 +116,7 @@ steps = [ { strain = -0.3, rate = 1e-3 }, { strain = 0.1, rate = 1e-3 } ]
 
 TEST(Scene, ReadsALawThatCarriesTensionWithSelfContactAndHardening) {
     const Scene scene = parse_scene("radius_dispersion = 0.05\n" + porous, "s.toml");
-    EXPECT_EQ(scene.law(), Law::trilin);
+    EXPECT_EQ(scene.law().name(), "trilin");
     EXPECT_DOUBLE_EQ(scene.crown_radius, 0.7);
     EXPECT_DOUBLE_EQ(scene.radius_dispersion, 0.05);
     EXPECT_TRUE(scene.self_contact);

@@ -121,7 +121,7 @@ TEST_P(LawInLiggghts, ActsBetweenParticleAndPlane) {
 Model trilin_model() {
     Model model = two_phase_model();
     model.crown_radius = 0.7;
-    model.trilin = true;
+    model.law = &trilin_law();
     model.phases = {{1, {1.0, 1.4, 1.42e9, 4.73e8, 1e8}, 1.0, 3.6e7, 0.0}};
     return model;
 }

@@ -3,6 +3,7 @@
 #include <mpi.h>
 
 #include "core/base/error.hpp"
+#include "core/scene/laws/norton.hpp"
 #include "core/scene/scene.hpp"
 #include "solver_plugin/run/guards.hpp"
 #include "solver_plugin/simulation/simulation.hpp"
@@ -57,7 +58,7 @@ std::vector<Vec3> stirred(const Packing& packing) {
 
 /// From the formulas, every pair on its own.
 std::vector<Vec3> expected_forces(const Packing& packing, const Model& model, const std::vector<Vec3>& velocities) {
-    const law::Norton& law = *model.norton;
+    const law::Norton& law = norton_of(model);
     const double scale = model.seed_radius / packing.seed_radius, reach = C::crown * law.seed_diameter;
     const std::size_t count = packing.size();
     std::vector<law::NortonSums> sums(count, law::NortonSums{});
@@ -142,9 +143,9 @@ TEST(Norton, ASampleBeginsWithTheFlowAndIsRefusedWhenItHeats) {
     const double flow = simulation.flow_energy();
     ASSERT_GT(flow, 0);
     EXPECT_NEAR(simulation.energies().kinetic, flow, 1e-9 * flow);
-    refuse_heat(simulation, 9 * flow, "here");
+    refuse_heat(simulation, 9 * flow, model_of(packing), "here");
     EXPECT_THAT(
-        [&] { refuse_heat(simulation, 11 * flow, "here"); },
+        [&] { refuse_heat(simulation, 11 * flow, model_of(packing), "here"); },
         testing::ThrowsMessage<InvalidInput>(testing::HasSubstr("the packing heats up here (step 0): its kinetic "
                                                                 "energy is 11 times that of the flow")));
 }
