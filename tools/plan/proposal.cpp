@@ -132,7 +132,7 @@ class Search {
         tried.time_step = model.time_step;
         tried.steps = 0;
         for (const LoadSegment& segment : load_path(scene, model.time_step)) tried.steps += segment.steps;
-        if (model.planes_hold()) tried.steps += relaxation_steps(model, seating_periods);
+        if (model.law->traits().planes_pull) tried.steps += relaxation_steps(model, seating_periods);
         tried.flows = expected_flows(scene, std::llround(tried.particles), model);
         const double decades = std::max(0.0, std::log10(scene.highest_rate() / scene.lowest_rate()));
         double misfit = 0;
