@@ -74,6 +74,11 @@ class TomlReader {
         return *node;
     }
 
+    /// A key that must not be here; it is not listed among those that are known.
+    void refuse(const std::string& key, const std::string& why) const {
+        if (const toml::node* node = table_.get(key)) fail(*node, why);
+    }
+
     /// A number, finite and of at least `min`.
     double number(const toml::node& node, const std::string& key, double min) const {
         const auto value = node.is_number() ? node.value<double>() : std::nullopt;

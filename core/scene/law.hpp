@@ -46,7 +46,8 @@ struct LawTraits {
     double neighbour_skin = 0.6;  ///< of LIGGGHTS' ghosts, over the seed radius: larger where particles are hot
     double list_skin = 0.05;      ///< of the vector loops' own lists, over the crown distance
 
-    std::string less_heat = "strain_per_step";  ///< advice: "take a smaller time_step or ..."
+    std::string accuracy_key = "strain_per_step";  ///< of [accuracy]: what chooses the time step
+    std::string less_heat = "strain_per_step";     ///< advice: "take a smaller time_step or ..."
     std::string less_inertia = "a lower rate, a smaller strain_per_step";  ///< advice: "take ... or more particles"
 };
 

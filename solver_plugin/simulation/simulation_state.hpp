@@ -138,10 +138,6 @@ struct Simulation::State {
     /// @param value  (local particle, component)
     RowBlock rows(int components, const std::function<double(int, int)>& value);
 
-    /// The items of every process one after the other, on the first process.
-    template <class Item>
-    std::vector<Item> gather_all(const std::vector<Item>& mine) const;
-
     /// Vectors of the local particles, in the order of the sample, on the first process.
     std::vector<Vec3> gather(double* const* local);
 };

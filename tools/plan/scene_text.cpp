@@ -62,7 +62,9 @@ void choose_step(const std::string& text, const toml::table& root, const SceneCh
     // A scene has one of them at most.
     for (const auto& [key, node] : *accuracy) {
         const bool automatic = key == "time_step" && node.is_string() && node.value_or(std::string{}) == "auto";
-        if (automatic || (key != "time_step" && key != "strain_per_step" && key != "equilibrium_error")) continue;
+        if (automatic || (key != "time_step" && key != "strain_per_step" && key != "inertia_share" &&
+                          key != "max_equilibrium_error"))
+            continue;
         if (key != choice.key() || node.value_or(0.0) != std::stod(fmt::format("{:.4g}", choice.step)))
             edits.push_back({byte_of(text, key.source().begin), byte_of(text, node.source().end), line});
         return;
@@ -104,8 +106,7 @@ std::string with_choice(const std::string& text, const SceneChoice& choice, cons
     for (const Edit& edit : edits) changed.replace(edit.first, edit.last - edit.first, edit.by);
 
     const Scene scene = parse_scene(changed, name);
-    const double step =
-        choice.law == "norton" ? number_of(scene.law_accuracy, choice.key()).value_or(0) : scene.strain_per_step;
+    const double step = number_of(scene.law_accuracy, choice.key()).value_or(scene.strain_per_step);
     if (scene.law().name() != choice.law || std::abs(step / choice.step - 1) > 1e-3 || scene.time_step)
         throw InvalidInput(fmt::format(
             "scene '{}': cannot put law = \"{}\" and {} = {:.4g} into it; write each key on a line of its own below "

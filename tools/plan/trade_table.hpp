@@ -41,7 +41,7 @@ struct TradeCurve {
     std::vector<double> resolution;    ///< rising
     std::vector<double> bias, spread;  ///< of each: |mean error| and standard deviation over the packings
     std::vector<double> step,
-        step_error;  ///< rising: strain_per_step, of NORTON equilibrium_error; and what it changes
+        step_error;  ///< rising: strain_per_step, of NORTON inertia_share; and what it changes
     /// Where the rate falls to a tenth of the one that constants are chosen for; none: not measured.
     std::optional<double> rate_error;
     double particle_step = 0;             ///< CPU time of a particle in a step [s]

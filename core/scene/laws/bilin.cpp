@@ -19,7 +19,7 @@ namespace {
 constexpr double error_per_rate_and_period = 0.7;
 constexpr double error_per_strain_step = 60;
 
-constexpr const char* error_key = "equilibrium_error";
+constexpr const char* error_key = "max_equilibrium_error";
 
 /// Points within the rates at which the master curve is compared with K rate^M.
 constexpr int points = 40;
@@ -52,12 +52,13 @@ class Bilin final : public CrownLaw {
 
     void read_phase(TomlReader& reader, Phase& phase) const override {
         CrownLaw::read_phase(reader, phase);
-        if (const toml::node* node = reader.find("greatest_attraction"))
-            reader.fail(*node, "greatest_attraction belongs to law \"trilin\"");
+        reader.refuse("greatest_attraction", "greatest_attraction belongs to law \"trilin\"");
     }
 
     void read_accuracy(TomlReader& reader, Scene& scene) const override {
         CrownLaw::read_accuracy(reader, scene);
+        reader.refuse("equilibrium_error",
+                      fmt::format("equilibrium_error is called {} now: the largest value of that curve", error_key));
         const auto bound = reader.optional_positive(error_key);
         if (!bound) return;
         if (scene.time_step || reader.find("strain_per_step") != nullptr)

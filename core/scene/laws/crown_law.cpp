@@ -55,8 +55,8 @@ void CrownLaw::check_phase(const TomlReader& reader, const Phase& phase) const {
 }
 
 void CrownLaw::read_accuracy(TomlReader& reader, Scene&) const {
-    if (const toml::node* node = reader.find("reference_rate"))
-        reader.fail(*node, "reference_rate belongs to law \"norton\"");
+    for (const char* key : {"reference_rate", "inertia_share"})
+        reader.refuse(key, fmt::format("{} belongs to law \"norton\"", key));
 }
 
 double CrownLaw::strain_per_step(const Scene& scene) const {

@@ -20,7 +20,7 @@ namespace {
 
 using C = law::NortonConstants;
 
-constexpr const char* inertia_key = "equilibrium_error";
+constexpr const char* inertia_key = "inertia_share";
 constexpr const char* reference_key = "reference_rate";
 
 constexpr double usual_inertia_share = 0.02;
@@ -75,16 +75,15 @@ class NortonLaw final : public Law {
                .max_energy_ratio = 1e-3,
                .max_force_balance = 1e-2,
                .max_heat = 10,
+               .accuracy_key = inertia_key,
                .less_heat = inertia_key,
                .less_inertia = std::string("a smaller ") + inertia_key}) {}
 
     void read_phase(TomlReader& reader, Phase&) const override {
         for (const char* key : {"repulsive_stiffness", "natural_period", "stiffness_ratio", "greatest_attraction"})
-            if (const toml::node* node = reader.find(key))
-                reader.fail(*node,
-                            fmt::format("{} belongs to the other laws: norton = {{ K = .., M = .. }} is all that "
-                                        "law \"norton\" takes",
-                                        key));
+            reader.refuse(key, fmt::format("{} belongs to the other laws: norton = {{ K = .., M = .. }} is all that "
+                                           "law \"norton\" takes",
+                                           key));
     }
 
     void check_phase(const TomlReader& reader, const Phase& phase) const override {
@@ -92,6 +91,10 @@ class NortonLaw final : public Law {
     }
 
     void read_accuracy(TomlReader& reader, Scene& scene) const override {
+        reader.refuse(
+            "equilibrium_error",
+            fmt::format("equilibrium_error is called {} now: how much of the stress may be inertia", inertia_key));
+        reader.refuse("max_equilibrium_error", "max_equilibrium_error belongs to law \"bilin\"");
         if (const auto share = reader.optional_positive(inertia_key)) {
             if (scene.time_step || reader.find("strain_per_step") != nullptr)
                 reader.fail(reader.get(inertia_key),

@@ -48,8 +48,9 @@ class Trilin final : public CrownLaw {
 
     void read_accuracy(TomlReader& reader, Scene& scene) const override {
         CrownLaw::read_accuracy(reader, scene);
-        if (const toml::node* node = reader.find("equilibrium_error"))
-            reader.fail(*node, "equilibrium_error is not known beforehand for law \"trilin\"; choose strain_per_step");
+        for (const char* key : {"max_equilibrium_error", "equilibrium_error"})
+            reader.refuse(key,
+                          fmt::format("{} is not known beforehand for law \"trilin\"; choose strain_per_step", key));
     }
 
     std::shared_ptr<const CalibrationWindow> read_calibration(TomlReader& reader) const override {

@@ -29,7 +29,7 @@ strain_per_step = 1e-5   # µ: finer than need be
 
 TEST(SceneText, ChangesOnlyLawAndStep) {
     const std::string wanted = replaced(replaced(commented, "law = \"bilin\"", "law = \"norton\""),
-                                        "strain_per_step = 1e-5", "equilibrium_error = 0.02");
+                                        "strain_per_step = 1e-5", "inertia_share = 0.02");
     EXPECT_EQ(with_choice(commented, {"norton", 0.02}, "scene.toml"), wanted);
 }
 
@@ -59,7 +59,7 @@ TEST(SceneText, ReplacesATimeStepThatWasGivenAndKeepsAuto) {
 TEST(SceneText, ReachesIntoInlineTables) {
     const std::string text = "accuracy = { frames = 3, strain_per_step = 1e-5 }\n" + std::string(drawn::one_phase);
     EXPECT_EQ(with_choice(text, {"norton", 0.05}, "scene.toml"),
-              replaced(replaced(text, "strain_per_step = 1e-5", "equilibrium_error = 0.05"), "bilin", "norton"));
+              replaced(replaced(text, "strain_per_step = 1e-5", "inertia_share = 0.05"), "bilin", "norton"));
     const std::string without = "accuracy = { frames = 3 }\n" + std::string(drawn::one_phase);
     EXPECT_THAT(with_choice(without, {"bilin", 2e-5}, "scene.toml"),
                 HasSubstr("accuracy = { strain_per_step = 2e-05, frames = 3 }\n"));

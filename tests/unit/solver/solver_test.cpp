@@ -227,7 +227,7 @@ TEST(CompileModel, KeepsTheInertiaBelowTheEquilibriumErrorAskedFor) {
     const auto compiled = [](const std::string& phase, double error) {
         return compile_model(
             parse_scene(fmt::format("[phase.a]\nlabel = 1\nlaw = \"bilin\"\n{}\n[load]\nsteps = [ {{ "
-                                    "strain = -0.1, rate = 1e-3 }} ]\n[accuracy]\nequilibrium_error = {}",
+                                    "strain = -0.1, rate = 1e-3 }} ]\n[accuracy]\nmax_equilibrium_error = {}",
                                     phase, error),
                         "test"),
             block(3));
