@@ -19,6 +19,7 @@ struct NortonConstants {
     static constexpr double volume = 0.818;        ///< of a particle [d^3]
     static constexpr double pair_share = 0.4;      ///< chi: viscosity of what is not in the mean flow, over eta d
     static constexpr double bulk_viscosity = 2;    ///< over eta
+    static constexpr double rate_floor = 0.1;      ///< of the load's lowest rate: below, the viscosity does not grow
     static constexpr double wall_viscosity =
         1000;  ///< of the film between particle and wall, over strength d / flow_rate
 };

@@ -1,18 +1,24 @@
 #pragma once
 #include <array>
+#include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
-
-#include "core/law/bilin_flow.hpp"
-#include "core/law/trilin_flow.hpp"
 
 /// Measured flow stresses: what turns norton = { K, M } into the constants of a law, and how far it may be trusted
 /// (docs/calibration.md has the file).
 namespace tomodem {
 
+class TomlReader;
+
 /// What the flow stresses of a law were measured on, and what they are worth. Errors are shares of the stress.
+/// The table of each law adds its flow stresses: core/scene/laws/.
 struct CalibrationWindow {
+    virtual ~CalibrationWindow() = default;
+
     int packings = 0;
     double density = 0;                  ///< D of the packings
     std::vector<double> particles;       ///< sizes seen, increasing
@@ -27,40 +33,32 @@ struct CalibrationWindow {
     double size_error(double count) const;
 };
 
-struct BilinCalibration : CalibrationWindow {
-    law::BilinFlow curve;
-    std::vector<double> spread;                   ///< of each flow: relative standard deviation over the packings
-    std::array<double, 2> strain_per_step{0, 0};  ///< strain in a time step, smallest and largest seen
-    std::vector<double> time_step_error;          ///< of each flow, between them: share
-
-    double spread_at(double chi) const;
-    double time_step_error_at(double chi) const;
-};
-
 /// Errors of TRILIN and NORTON: the greatest deviation from the law fitted, and twice the spread over packings.
 struct DirectedErrors {
     std::optional<double> compression, tension;  ///< none: not measured
 };
 
-struct TrilinCalibration : CalibrationWindow {
-    law::TrilinFlow flow;
-    std::array<double, 2> rate{0, 0};  ///< rate t0, smallest and largest seen
-    DirectedErrors error;
-};
-
-struct NortonCalibration : CalibrationWindow {
-    double flow = 0;                          ///< a law that is given K has the stress flow K rate^M
-    std::array<double, 2> sensitivity{0, 0};  ///< M, smallest and largest seen
-    double rate_ratio = 1;                    ///< between the highest and the lowest rate seen with the same constants
-    DirectedErrors error;
-};
-
 struct Calibration {
     std::string name;
-    std::optional<BilinCalibration> bilin;
-    std::optional<TrilinCalibration> trilin;
-    std::optional<NortonCalibration> norton;
+    std::map<std::string, std::shared_ptr<const CalibrationWindow>, std::less<>> tables;  ///< by the law's name
+
+    /// The table of one law, such as find<BilinCalibration>(); null if the calibration does not hold it.
+    template <class Table>
+    const Table* find() const {
+        const auto found = tables.find(Table::law);
+        return found == tables.end() ? nullptr : static_cast<const Table*>(found->second.get());
+    }
+    template <class Table>
+    void add(Table table) {
+        tables[Table::law] = std::make_shared<const Table>(std::move(table));
+    }
 };
+
+/// The keys that the table of every law has. @param has_crown  crown and stiffness_ratio too
+void read_window(TomlReader& reader, CalibrationWindow& window, bool has_crown);
+
+/// The keys `compression` and `tension`.
+DirectedErrors read_errors(TomlReader& reader);
 
 /// Reads the table [calibration] of a TOML text, a scene's or one of its own; `file` stands for it in errors.
 /// @throws InvalidInput with the line: syntax, unknown or missing key, lists that do not fit together, wrong range

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,20 @@ struct ExpectedFlow {
     std::array<double, 2> strain{0, 0};  ///< |true strain|
     std::vector<std::string> outside;    ///< of what the table was measured on, in words
 };
+
+/// Largest |strain| of a scene in each direction; none: the scene has no load in it.
+struct Loads {
+    std::optional<double> compression, tension;
+};
+Loads loads_of(const Scene& scene);
+
+/// The larger of the errors of the directions that are loaded; what was not measured goes to `outside`.
+double error_of(const DirectedErrors& table, const Loads& loads, ExpectedFlow& found);
+
+/// A number that was computed is outside of a range only if it is so by more than rounding.
+inline bool below(double value, double limit) {
+    return value < limit * (1 - 1e-6);
+}
 
 /// One for each phase of the model that is given by norton.
 ///

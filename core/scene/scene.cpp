@@ -2,124 +2,32 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <functional>
 #include <set>
 #include <sstream>
 
 #include "core/base/error.hpp"
 #include "core/base/polynomial.hpp"
+#include "core/base/toml_reader.hpp"
 #include "core/base/units.hpp"
-#include "core/law/trilin_flow.hpp"
 
 namespace tomodem {
 namespace {
 
+/// As errors name it.
+std::string scene_called(const std::string& file) {
+    return fmt::format("scene '{}'", file);
+}
+
 /// Radii of a normal distribution, cut at three standard deviations: beyond this the smallest would vanish.
 constexpr double greatest_dispersion = 0.3;
 
-/// Reads one table, remembers which keys were asked for, and refuses the others.
-class TableReader {
- public:
-    TableReader(const toml::table& table, std::string where, std::string file)
-        : table_(table), where_(std::move(where)), file_(std::move(file)) {}
-
-    [[noreturn]] void fail(std::int64_t line, const std::string& what) const {
-        throw InvalidInput(fmt::format("scene '{}' line {}: {}", file_, line, what));
-    }
-    [[noreturn]] void fail(const toml::node& node, const std::string& what) const { fail(line_of(node), what); }
-
-    static std::int64_t line_of(const toml::node& node) { return node.source().begin.line; }
-    std::int64_t line() const { return std::max<std::int64_t>(1, line_of(table_)); }
-
-    const toml::node* find(const std::string& key) {
-        known_.insert(key);
-        return table_.get(key);
-    }
-
-    const toml::node& get(const std::string& key) {
-        const toml::node* node = find(key);
-        if (node == nullptr) fail(line(), fmt::format("{} has no '{}'", where_, key));
-        return *node;
-    }
-
-    /// A number in the scene's units, or a string with a unit such as "500 um".
-    double number(const toml::node& node, const std::string& key, double (*with_unit)(std::string_view) = nullptr) {
-        if (const auto value = node.value<double>(); value && node.is_number()) return *value;
-        if (with_unit != nullptr && node.is_string()) {
-            try {
-                return with_unit(*node.value<std::string>());
-            } catch (const InvalidInput& error) {
-                fail(node, fmt::format("{} in {}: {}", key, where_, error.what()));
-            }
-        }
-        fail(node, fmt::format("{} in {} must be a number{}", key, where_,
-                               with_unit != nullptr ? ", or a string with a unit" : ""));
-    }
-
-    std::optional<double> positive(const std::string& key, double (*with_unit)(std::string_view) = nullptr) {
-        const toml::node* node = find(key);
-        if (node == nullptr) return {};
-        const double value = number(*node, key, with_unit);
-        if (!(value > 0) || !std::isfinite(value))
-            fail(*node, fmt::format("{} in {} is {:g}: expected more than 0", key, where_, value));
-        return value;
-    }
-
-    std::optional<std::int64_t> integer(const std::string& key, std::int64_t least) {
-        const toml::node* node = find(key);
-        if (node == nullptr) return {};
-        const auto value = node->value_exact<std::int64_t>();
-        if (!value || *value < least)
-            fail(*node, fmt::format("{} in {} must be a whole number of at least {}", key, where_, least));
-        return value;
-    }
-
-    std::optional<bool> boolean(const std::string& key) {
-        const toml::node* node = find(key);
-        if (node == nullptr) return {};
-        const auto value = node->value_exact<bool>();
-        if (!value) fail(*node, fmt::format("{} in {} must be true or false", key, where_));
-        return value;
-    }
-
-    std::optional<std::string> text(const std::string& key) {
-        const toml::node* node = find(key);
-        if (node == nullptr) return {};
-        const auto value = node->value_exact<std::string>();
-        if (!value) fail(*node, fmt::format("{} in {} must be a string", key, where_));
-        return value;
-    }
-
-    std::optional<TableReader> table(const std::string& key, const std::string& where) {
-        const toml::node* node = find(key);
-        if (node == nullptr) return {};
-        if (!node->is_table()) fail(*node, fmt::format("{} must be a table", where));
-        return TableReader(*node->as_table(), where, file_);
-    }
-
-    void refuse_unknown() const {
-        for (const auto& [key, node] : table_)
-            if (!known_.contains(std::string(key.str())))
-                fail(key.source().begin.line,
-                     fmt::format("unknown key '{}' in {}; known are {}", key.str(), where_, fmt::join(known_, ", ")));
-    }
-
-    const toml::table& raw() const { return table_; }
-
- private:
-    const toml::table& table_;
-    std::string where_, file_;
-    std::set<std::string> known_;
-};
-
-Norton read_norton(TableReader reader) {
+Norton read_norton(TomlReader reader) {
     Norton norton;
-    norton.consistency = reader.positive("K", nullptr).value_or(0.0);
-    norton.rate_sensitivity = reader.positive("M").value_or(0.0);
+    norton.consistency = reader.optional_positive("K").value_or(0.0);
+    norton.rate_sensitivity = reader.optional_positive("M").value_or(0.0);
     if (norton.consistency == 0.0 || norton.rate_sensitivity == 0.0)
         reader.fail(reader.line(), "norton needs both K [MPa.s^M] and M, such as norton = { K = 95.9, M = 2.45e-3 }");
     if (norton.rate_sensitivity > 1) reader.fail(reader.line(), "M in norton is above 1");
@@ -127,7 +35,7 @@ Norton read_norton(TableReader reader) {
     return norton;
 }
 
-Hardening read_hardening(TableReader reader) {
+Hardening read_hardening(TomlReader reader) {
     Hardening hardening;
     const auto fail_table = [&](const toml::node& node) {
         reader.fail(node,
@@ -139,19 +47,20 @@ Hardening read_hardening(TableReader reader) {
         for (const toml::node& row : *table->as_array()) {
             const toml::array* const pair = row.as_array();
             if (pair == nullptr || pair->size() != 2) fail_table(row);
-            const double time = reader.number(*pair->get(0), "time"), factor = reader.number(*pair->get(1), "factor");
+            const double time = reader.quantity(*pair->get(0), "time"),
+                         factor = reader.quantity(*pair->get(1), "factor");
             const bool rising = hardening.table.empty() || time > hardening.table.back()[0];
             if (!rising || !(factor > 0) || !std::isfinite(factor)) fail_table(row);
             hardening.table.push_back({time, factor});
         }
     } else {
-        const auto constant = [&](const char* key, double& value) { value = reader.number(reader.get(key), key); };
+        const auto constant = [&](const char* key, double& value) { value = reader.quantity(reader.get(key), key); };
         constant("amplitude", hardening.amplitude);
         constant("rate", hardening.rate);
         constant("exponent", hardening.exponent);
         constant("base", hardening.base);
         if (const toml::node* offset = reader.find("offset"))
-            hardening.offset = reader.number(*offset, "offset", units::time);
+            hardening.offset = reader.quantity(*offset, "offset", units::time);
         if (!(hardening.factor(0) > 0))
             reader.fail(reader.line(), "the factor of hardening is not above 0 at the start");
     }
@@ -159,51 +68,30 @@ Hardening read_hardening(TableReader reader) {
     return hardening;
 }
 
-Law read_law(TableReader& reader) {
-    const toml::node& law = reader.get("law");
-    const std::string name = *reader.text("law");
-    if (name == "bilin") return Law::bilin;
-    if (name == "trilin") return Law::trilin;
-    if (name == "norton") return Law::norton;
-    reader.fail(law, "law must be \"bilin\", \"trilin\" or \"norton\"");
+const Law* read_law(TomlReader& reader) {
+    const toml::node& node = reader.get("law");
+    if (const Law* law = find_law(*reader.optional_text("law"))) return law;
+    std::string names;
+    for (const Law* law : laws())
+        names += fmt::format("{}\"{}\"", names.empty() ? "" : law == laws().back() ? " or " : ", ", law->name());
+    reader.fail(node, "law must be " + names);
 }
 
-Phase read_phase(const std::string& name, TableReader reader) {
+Phase read_phase(const std::string& name, TomlReader reader) {
     Phase phase;
     phase.name = name;
     phase.line = reader.line();
     reader.get("label");
-    phase.label = static_cast<std::int32_t>(*reader.integer("label", 1));
+    phase.label = static_cast<std::int32_t>(*reader.optional_integer("label", 1));
     phase.law = read_law(reader);
     if (auto norton = reader.table("norton", fmt::format("norton of [phase.{}]", name)))
         phase.norton = read_norton(*norton);
-    phase.repulsive_stiffness = reader.positive("repulsive_stiffness", units::stiffness);
-    phase.natural_period = reader.positive("natural_period", units::time);
-    if (phase.law == Law::norton)
-        for (const char* key : {"repulsive_stiffness", "natural_period", "stiffness_ratio", "greatest_attraction"})
-            if (const toml::node* node = reader.find(key))
-                reader.fail(*node,
-                            fmt::format("{} belongs to the other laws: norton = {{ K = .., M = .. }} is all that "
-                                        "law \"norton\" takes",
-                                        key));
-    const double usual_ratio = phase.law == Law::trilin ? law::trilin_stiffness_ratio : phase.stiffness_ratio;
-    phase.stiffness_ratio = reader.positive("stiffness_ratio").value_or(usual_ratio);
-    phase.greatest_attraction = reader.positive("greatest_attraction", units::force);
-    if (phase.greatest_attraction && phase.law != Law::trilin)
-        reader.fail(*reader.find("greatest_attraction"), "greatest_attraction belongs to law \"trilin\"");
-    if (phase.greatest_attraction && phase.norton)
-        reader.fail(*reader.find("greatest_attraction"),
-                    "greatest_attraction follows from norton: remove one of the two");
+    phase.law->read_phase(reader, phase);
     if (auto hardening = reader.table("hardening", fmt::format("hardening of [phase.{}]", name)))
         phase.hardening = read_hardening(*hardening);
-    phase.objects = reader.boolean("objects").value_or(false);
+    phase.objects = reader.optional_boolean("objects").value_or(false);
     reader.refuse_unknown();
-    const bool given = phase.repulsive_stiffness.has_value() && phase.natural_period.has_value();
-    const bool any = phase.repulsive_stiffness.has_value() || phase.natural_period.has_value();
-    if (phase.norton.has_value() == given || (any && !given))
-        reader.fail(phase.line, fmt::format("[phase.{}] needs either norton = {{ K = .., M = .. }} or both "
-                                            "repulsive_stiffness and natural_period",
-                                            name));
+    phase.law->check_phase(reader, phase);
     return phase;
 }
 
@@ -211,34 +99,34 @@ LoadStep read_step(const toml::node& node, const std::string& file) {
     if (!node.is_table())
         throw InvalidInput(
             fmt::format("scene '{}' line {}: a step of [load] is written {{ strain = -0.3, rate = 1e-3 }}", file,
-                        TableReader::line_of(node)));
-    TableReader reader(*node.as_table(), "a step of [load]", file);
+                        TomlReader::line_of(node)));
+    TomlReader reader(*node.as_table(), "a step of [load]", scene_called(file));
     LoadStep step;
     step.line = reader.line();
-    step.strain = reader.number(reader.get("strain"), "strain");
+    step.strain = reader.quantity(reader.get("strain"), "strain");
     if (!std::isfinite(step.strain)) reader.fail(step.line, "strain in a step of [load] must be finite");
     const toml::node& rate = reader.get("rate");
     if (const toml::array* coefficients = rate.as_array()) {
-        for (const toml::node& coefficient : *coefficients) step.rate.push_back(reader.number(coefficient, "rate"));
+        for (const toml::node& coefficient : *coefficients) step.rate.push_back(reader.quantity(coefficient, "rate"));
         if (step.rate.empty() || !(step.rate.front() > 0) ||
             !std::all_of(step.rate.begin(), step.rate.end(), [](double value) { return std::isfinite(value); }))
             reader.fail(rate,
                         "rate in a step of [load] must be a number or the coefficients of a polynomial of time, the "
                         "first above 0, such as rate = [1e-3, 2e-6]");
     } else {
-        step.rate = {*reader.positive("rate", units::rate)};
+        step.rate = {*reader.optional_positive("rate", units::rate)};
     }
     reader.refuse_unknown();
     return step;
 }
 
-Initiation read_initiation(TableReader reader) {
+Initiation read_initiation(TomlReader reader) {
     Initiation initiation;
     reader.get("strain");
-    initiation.strain = *reader.positive("strain");
-    initiation.affine = reader.boolean("affine").value_or(initiation.affine);
+    initiation.strain = *reader.optional_positive("strain");
+    initiation.affine = reader.optional_boolean("affine").value_or(initiation.affine);
     if (const toml::node* noise = reader.find("noise")) {
-        initiation.noise = reader.number(*noise, "noise");
+        initiation.noise = reader.quantity(*noise, "noise");
         if (!(initiation.noise >= 0 && initiation.noise <= 10))
             reader.fail(*noise, fmt::format("noise in initiation is {:g}: expected 0 to 10", initiation.noise));
     }
@@ -246,7 +134,7 @@ Initiation read_initiation(TableReader reader) {
     return initiation;
 }
 
-std::vector<LoadStep> read_steps(const toml::node& steps, TableReader& reader, const std::string& file) {
+std::vector<LoadStep> read_steps(const toml::node& steps, TomlReader& reader, const std::string& file) {
     if (!steps.is_array() || steps.as_array()->empty())
         reader.fail(steps, "steps in [load] must be a list such as [ { strain = -0.3, rate = 1e-3 } ]");
     std::vector<LoadStep> result;
@@ -269,9 +157,9 @@ std::vector<LoadStep> read_steps(const toml::node& steps, TableReader& reader, c
     return result;
 }
 
-void read_load(TableReader reader, const std::string& file, Scene& scene) {
+void read_load(TomlReader reader, const std::string& file, Scene& scene) {
     scene.load_line = reader.line();
-    const std::string axis = reader.text("axis").value_or("z");
+    const std::string axis = reader.optional_text("axis").value_or("z");
     if (axis != "x" && axis != "y" && axis != "z")
         reader.fail(*reader.find("axis"), "axis must be \"x\", \"y\" or \"z\"");
     scene.axis = axis[0] - 'x';
@@ -280,9 +168,9 @@ void read_load(TableReader reader, const std::string& file, Scene& scene) {
             reader.fail(*steps, "[load] has both steps and duration: planes go by steps, walls alone by a duration");
         if (scene.walls.empty())
             reader.fail(*duration, "duration in [load] is for scenes with walls; add a [[wall]], or steps");
-        scene.duration = reader.positive("duration", units::time);
+        scene.duration = reader.optional_positive("duration", units::time);
         reader.get("rate");
-        scene.nominal_rate = reader.positive("rate", units::rate);
+        scene.nominal_rate = reader.optional_positive("rate", units::rate);
     } else {
         scene.steps = read_steps(reader.get("steps"), reader, file);
         if (const toml::node* rate = reader.find("rate"))
@@ -301,7 +189,7 @@ void read_load(TableReader reader, const std::string& file, Scene& scene) {
             reached = step.strain;
         }
     }
-    if (const auto lateral = reader.text("lateral")) {
+    if (const auto lateral = reader.optional_text("lateral")) {
         if (lateral == "periodic")
             scene.lateral = Lateral::periodic;
         else if (lateral == "isochoric")
@@ -318,20 +206,20 @@ void read_load(TableReader reader, const std::string& file, Scene& scene) {
 Wall read_wall(const toml::node& node, const std::string& file) {
     if (!node.is_table())
         throw InvalidInput(fmt::format("scene '{}' line {}: a wall is written [[wall]] with a name and a surface", file,
-                                       TableReader::line_of(node)));
-    TableReader reader(*node.as_table(), "[[wall]]", file);
+                                       TomlReader::line_of(node)));
+    TomlReader reader(*node.as_table(), "[[wall]]", scene_called(file));
     Wall wall;
     wall.line = reader.line();
     const toml::node& name = reader.get("name");
-    wall.name = reader.text("name").value();
+    wall.name = reader.optional_text("name").value();
     if (wall.name.empty() ||
         wall.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_") !=
             std::string::npos)
         reader.fail(name, "name in [[wall]] must be of letters, digits, - and _: it names the curves of its force");
     reader.get("surface");
-    wall.surface = std::filesystem::path(file).parent_path() / reader.text("surface").value();
+    wall.surface = std::filesystem::path(file).parent_path() / reader.optional_text("surface").value();
     if (const toml::node* unit = reader.find("unit")) {
-        const std::string word = reader.text("unit").value();
+        const std::string word = reader.optional_text("unit").value();
         try {
             wall.unit = units::length("1 " + word);
         } catch (const InvalidInput&) {
@@ -344,13 +232,13 @@ Wall read_wall(const toml::node& node, const std::string& file) {
         const std::string expected = "velocity in [[wall]] must be three numbers [mm/s], such as [0, 0, -0.1]";
         if (components == nullptr || components->size() != 3) reader.fail(*velocity, expected);
         for (int axis = 0; axis < 3; ++axis) {
-            wall.velocity[axis] = reader.number((*components)[axis], "velocity");
+            wall.velocity[axis] = reader.quantity((*components)[axis], "velocity");
             if (!std::isfinite(wall.velocity[axis])) reader.fail(*velocity, expected);
         }
     }
     for (const auto& [key, time] : {std::pair{"start", &wall.start}, std::pair{"stop", &wall.stop}})
         if (const toml::node* value = reader.find(key)) {
-            *time = reader.number(*value, key, units::time);
+            *time = reader.quantity(*value, key, units::time);
             if (!(*time >= 0))
                 reader.fail(*value, fmt::format("{} in [[wall]] is {:g} s: expected 0 or more", key, *time));
         }
@@ -359,7 +247,7 @@ Wall read_wall(const toml::node& node, const std::string& file) {
     return wall;
 }
 
-std::vector<Wall> read_walls(const toml::node& node, TableReader& reader, const std::string& file) {
+std::vector<Wall> read_walls(const toml::node& node, TomlReader& reader, const std::string& file) {
     if (!node.is_array()) reader.fail(node, "walls are written [[wall]], each with a name and a surface");
     std::vector<Wall> walls;
     std::set<std::string> names;
@@ -371,33 +259,22 @@ std::vector<Wall> read_walls(const toml::node& node, TableReader& reader, const 
     return walls;
 }
 
-void read_accuracy(TableReader reader, Scene& scene) {
+void read_accuracy(TomlReader reader, Scene& scene) {
     if (const toml::node* node = reader.find("time_step")) {
         const bool automatic = node->is_string() && *node->value<std::string>() == "auto";
-        if (!automatic) scene.time_step = reader.positive("time_step", units::time);
+        if (!automatic) scene.time_step = reader.optional_positive("time_step", units::time);
     }
-    if (const auto value = reader.positive("strain_per_step")) {
+    if (const auto value = reader.optional_positive("strain_per_step")) {
         if (scene.time_step)
             reader.fail(*reader.find("strain_per_step"),
                         "strain_per_step chooses the time step: remove one of the two");
         scene.strain_per_step = *value;
     }
-    scene.equilibrium_error = reader.positive("equilibrium_error");
-    if (scene.equilibrium_error) {
-        const toml::node& node = *reader.find("equilibrium_error");
-        if (scene.law() == Law::trilin)
-            reader.fail(node, "equilibrium_error is not known beforehand for law \"trilin\"; choose strain_per_step");
-        if (scene.time_step || reader.find("strain_per_step") != nullptr)
-            reader.fail(node, "equilibrium_error chooses the time step: remove time_step and strain_per_step");
-    }
-    if (const toml::node* node = reader.find("strain_per_step"); node != nullptr && scene.law() == Law::norton)
-        reader.fail(*node, "law \"norton\" chooses the time step by equilibrium_error; give that, or time_step");
-    scene.reference_rate = reader.positive("reference_rate", units::rate);
-    if (scene.reference_rate && scene.law() != Law::norton)
-        reader.fail(*reader.find("reference_rate"), "reference_rate belongs to law \"norton\"");
-    if (const auto file = reader.text("calibration")) scene.calibration_file = scene.path.parent_path() / *file;
-    scene.averaging_strain = reader.positive("averaging_strain").value_or(scene.averaging_strain);
-    scene.frames = reader.integer("frames", 1).value_or(scene.frames);
+    scene.law().read_accuracy(reader, scene);
+    if (const auto file = reader.optional_text("calibration"))
+        scene.calibration_file = scene.path.parent_path() / *file;
+    scene.averaging_strain = reader.optional_positive("averaging_strain").value_or(scene.averaging_strain);
+    scene.frames = reader.optional_integer("frames", 1).value_or(scene.frames);
     reader.refuse_unknown();
 }
 
@@ -422,17 +299,17 @@ void read_calibration(bool in_text, Scene& scene) {
     }
 }
 
-void read_output(TableReader reader, Scene& scene) {
-    scene.write_velocity = reader.boolean("velocity").value_or(false);
-    scene.write_stress = reader.boolean("stress").value_or(false);
+void read_output(TomlReader reader, Scene& scene) {
+    scene.write_velocity = reader.optional_boolean("velocity").value_or(false);
+    scene.write_stress = reader.optional_boolean("stress").value_or(false);
     reader.refuse_unknown();
 }
 
-void read_contact(TableReader reader, Scene& scene) {
-    scene.self_contact = reader.boolean("self_contact").value_or(false);
-    scene.between_objects = reader.boolean("between_objects").value_or(false);
+void read_contact(TomlReader reader, Scene& scene) {
+    scene.self_contact = reader.optional_boolean("self_contact").value_or(false);
+    scene.between_objects = reader.optional_boolean("between_objects").value_or(false);
     if (const toml::node* node = reader.find("healing_time")) {
-        scene.healing_time = reader.number(*node, "healing_time", units::time);
+        scene.healing_time = reader.quantity(*node, "healing_time", units::time);
         if (!(scene.healing_time > 0))
             reader.fail(*node, fmt::format("healing_time is {:g}: expected more than 0", scene.healing_time));
         if (!scene.self_contact && std::isfinite(scene.healing_time))
@@ -441,16 +318,16 @@ void read_contact(TableReader reader, Scene& scene) {
     reader.refuse_unknown();
 }
 
-void check_loads_against_laws(const Scene& scene, const TableReader& reader) {
+void check_loads_against_laws(const Scene& scene, const TomlReader& reader) {
     double reached = 0;
     for (const LoadStep& step : scene.steps) {
         if (step.strain > reached)
             for (const Phase& phase : scene.phases)
-                if (phase.law == Law::bilin)
+                if (!phase.law->traits().carries_tension)
                     reader.fail(step.line,
-                                fmt::format("the step from strain {:g} to {:g} is tension, which law \"bilin\" of "
+                                fmt::format("the step from strain {:g} to {:g} is tension, which law \"{}\" of "
                                             "[phase.{}] cannot carry; keep to decreasing strains",
-                                            reached, step.strain, phase.name));
+                                            reached, step.strain, phase.law->name(), phase.name));
         reached = step.strain;
     }
 }
@@ -468,6 +345,11 @@ double Hardening::factor(double time) const {
     if (after == table.end()) return table.back()[1];
     const auto& [left, right] = std::pair(*(after - 1), *after);
     return std::lerp(left[1], right[1], (time - left[0]) / (right[0] - left[0]));
+}
+
+std::optional<double> number_of(const LawNumbers& numbers, std::string_view key) {
+    const auto found = numbers.find(key);
+    return found == numbers.end() ? std::nullopt : std::optional(found->second);
 }
 
 const Phase& Scene::phase(std::int32_t label) const {
@@ -504,22 +386,17 @@ double Scene::path_length() const {
 }
 
 Scene parse_scene(const std::string& text, const std::string& name) {
-    toml::table root;
-    try {
-        root = toml::parse(text);
-    } catch (const toml::parse_error& error) {
-        throw InvalidInput(fmt::format("scene '{}' line {}: {}", name, error.source().begin.line, error.description()));
-    }
+    const toml::table root = parse_toml(text, scene_called(name));
     Scene scene;
     scene.path = name;
     scene.text = text;
-    TableReader reader(root, "the scene", name);
-    scene.seed_radius = reader.positive("seed_radius", units::length).value_or(scene.seed_radius);
-    const auto crown = reader.positive("crown_radius", units::length);
+    TomlReader reader(root, "the scene", scene_called(name));
+    scene.seed_radius = reader.optional_positive("seed_radius", units::length).value_or(scene.seed_radius);
+    const auto crown = reader.optional_positive("crown_radius", units::length);
     if (crown && *crown <= scene.seed_radius)
         reader.fail(*reader.find("crown_radius"), "crown_radius must be larger than seed_radius");
     if (const toml::node* node = reader.find("radius_dispersion")) {
-        scene.radius_dispersion = reader.number(*node, "radius_dispersion");
+        scene.radius_dispersion = reader.quantity(*node, "radius_dispersion");
         if (!(scene.radius_dispersion >= 0 && scene.radius_dispersion <= greatest_dispersion))
             reader.fail(*node, fmt::format("radius_dispersion is {:g}: expected 0 to {:g}", scene.radius_dispersion,
                                            greatest_dispersion));
@@ -532,23 +409,21 @@ Scene parse_scene(const std::string& text, const std::string& name) {
     for (const auto& [key, node] : *phases.as_table()) {
         const std::string phase_name(key.str());
         if (!node.is_table()) reader.fail(node, fmt::format("phase.{} must be a table", phase_name));
-        const Phase phase = read_phase(phase_name, TableReader(*node.as_table(), "[phase." + phase_name + "]", name));
+        const Phase phase =
+            read_phase(phase_name, TomlReader(*node.as_table(), "[phase." + phase_name + "]", reader.file()));
         if (!labels.insert(phase.label).second)
             reader.fail(phase.line, fmt::format("label {} of [phase.{}] belongs to another phase already", phase.label,
                                                 phase_name));
-        if (!scene.phases.empty() && phase.law != scene.law())
+        if (!scene.phases.empty() && phase.law != &scene.law())
             reader.fail(phase.line,
                         fmt::format("[phase.{}] has another law than [phase.{}]: all phases of a sample have one law",
                                     phase.name, scene.phases.front().name));
         scene.phases.push_back(phase);
     }
-    const double crown_over_seed = scene.law() == Law::trilin ? law::trilin_crown_over_seed : 1.5;
-    if (scene.law() == Law::norton && crown && std::abs(*crown / scene.seed_radius - 1.5) > 1e-9)
-        reader.fail(*reader.find("crown_radius"), "law \"norton\" is made for a crown_radius of 1.5 seed radii");
-    if (scene.law() == Law::norton && scene.radius_dispersion > 0)
-        reader.fail(*reader.find("radius_dispersion"), "law \"norton\" is made for equal radii");
-    scene.crown_radius = crown.value_or(crown_over_seed * scene.seed_radius);
-    scene.strain_per_step = scene.law() == Law::trilin ? 1e-4 : 5e-6;
+    const LawTraits& law = scene.law().traits();
+    scene.crown_radius = crown.value_or(law.crown_over_seed * scene.seed_radius);
+    scene.strain_per_step = law.strain_per_step;
+    scene.law().check_scene(reader, scene);
 
     if (auto contact = reader.table("contact", "[contact]")) read_contact(*contact, scene);
     if (const toml::node* walls = reader.find("wall")) scene.walls = read_walls(*walls, reader, name);

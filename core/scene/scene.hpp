@@ -2,15 +2,21 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/scene/calibration.hpp"
+#include "core/scene/law.hpp"
 
 /// What a sample is made of and what is done to it, as the user wrote it (docs/scene.md).
 namespace tomodem {
+
+inline constexpr double pascal_per_megapascal = 1e6;
 
 /// Norton flow law sigma = K rate^M.
 struct Norton {
@@ -19,7 +25,10 @@ struct Norton {
     double stress(double rate) const;  ///< [MPa] at a strain rate [1/s]
 };
 
-enum class Law { bilin, trilin, norton };
+/// Numbers that one law alone has keys for, by key, in the units of the solver.
+using LawNumbers = std::map<std::string, double, std::less<>>;
+
+std::optional<double> number_of(const LawNumbers& numbers, std::string_view key);
 
 /// Change of a material's strength in time: flow stress over the one at the start of the calibration.
 ///
@@ -35,12 +44,12 @@ struct Hardening {
 struct Phase {
     std::string name;
     std::int32_t label = 0;
-    Law law = Law::bilin;
+    const Law* law = nullptr;  ///< never null in a scene that was read
     std::optional<Norton> norton;
     std::optional<double> repulsive_stiffness;  ///< k_rep [uN/mm]
     std::optional<double> natural_period;       ///< t0 [s]
     double stiffness_ratio = 10.0;              ///< k_rep / k_att [-]
-    std::optional<double> greatest_attraction;  ///< f_att [uN] of TRILIN
+    LawNumbers law_numbers;                     ///< of [phase.NAME]
     std::optional<Hardening> hardening;
     bool objects = false;   ///< the sample must tell the connected components apart
     std::int64_t line = 0;  ///< in the scene file, for errors
@@ -98,19 +107,18 @@ struct Scene {
     std::int64_t load_line = 0;
     std::vector<Wall> walls;
 
-    std::optional<double> time_step;  ///< s; chosen from strain_per_step when not given
-    double strain_per_step = 5e-6;    ///< largest strain in one time step [-]: the knob of speed against inertia
-    std::optional<double> equilibrium_error;  ///< bound that chooses the time step instead (BILIN, NORTON) [-]
-    std::optional<double> reference_rate;     ///< 1/s, of NORTON's elastic parts; the highest rate when not given
-    std::optional<Calibration> calibration;   ///< of the scene's own: [accuracy] calibration, or a table [calibration]
-    std::filesystem::path calibration_file;   ///< where it was read from; empty where the scene's text holds it
-    double averaging_strain = 0.01;           ///< window of the forces [-]
-    std::int64_t frames = 30;                 ///< frames after the initial one, equally spaced in strain
+    std::optional<double> time_step;         ///< s; chosen from strain_per_step when not given
+    double strain_per_step = 5e-6;           ///< largest strain in one time step [-]: the knob of speed against inertia
+    LawNumbers law_accuracy;                 ///< of [accuracy]
+    std::optional<Calibration> calibration;  ///< of the scene's own: [accuracy] calibration, or a table [calibration]
+    std::filesystem::path calibration_file;  ///< where it was read from; empty where the scene's text holds it
+    double averaging_strain = 0.01;          ///< window of the forces [-]
+    std::int64_t frames = 30;                ///< frames after the initial one, equally spaced in strain
 
     bool write_velocity = false;  ///< of each particle, in every frame
     bool write_stress = false;    ///< of each particle, mean over the averaging window before each frame
 
-    Law law() const { return phases.front().law; }
+    const Law& law() const { return *phases.front().law; }
     const Phase& phase(std::int32_t label) const;  ///< @throws InvalidInput if no phase has it
     /// The scene's own calibration, or the one that ships.
     const Calibration& flow_table() const { return calibration ? *calibration : shipped_calibration(); }

@@ -1,5 +1,9 @@
 #include "solver_plugin/liggghts/fix_contact.hpp"
 
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
 namespace tomodem::plugin {
 
 using namespace LAMMPS_NS;
@@ -12,6 +16,18 @@ constexpr std::int64_t healing_interval = 50;
 }  // namespace
 
 FixContact::FixContact(LAMMPS* lmp, int count, char** words) : Fix(lmp, count, words) {
+    for (int k = 3; k < count; k += 2) {
+        const std::string key = words[k], value = k + 1 < count ? words[k + 1] : "";
+        char* end = nullptr;
+        const double number = std::strtod(value.c_str(), &end);
+        const bool positive = !value.empty() && *end == '\0' && number > 0;
+        if (key == "seed_radius" && positive)
+            memory_.set_law({.least_outward = law::SelfContact::outward_over_seed * number});
+        else if (key == "healing_steps" && positive)
+            heal_after(std::llround(number));
+        else
+            error->fix_error(FLERR, this, "expected seed_radius LENGTH and, if contacts heal, healing_steps STEPS");
+    }
     comm_forward = 3;
     grow_arrays(atom->nmax);
     atom->add_callback(0);

@@ -7,7 +7,8 @@
 
 namespace tomodem::plugin {
 
-/// `fix contact all tomodem/contact`: self-contact of the pair laws on any number of processes.
+/// `fix contact all tomodem/contact seed_radius R [healing_steps N]`: self-contact of the pair laws on any number of
+/// processes. Pairs that were in the crown when it was added are internal. `solve` sets the numbers by itself.
 ///
 /// It keeps the memory with the particles when they change owner, and gives ghosts the outward vectors of their owners
 /// before each computation of forces: both processes that see a pair decide alike.

@@ -1,6 +1,6 @@
 #include "solver_plugin/liggghts/fix_integrate.hpp"
 
-#include "solver_plugin/liggghts/crown_pair.hpp"
+#include "solver_plugin/liggghts/law_pair.hpp"
 
 namespace tomodem::plugin {
 
@@ -13,7 +13,7 @@ int FixIntegrate::setmask() {
 void FixIntegrate::initial_integrate(int) {
     const bool first = update->ntimestep == update->firststep + 1;
     const double kick = first ? 0.5 * update->dt : update->dt;
-    if (PackedParticles* const packed = CrownPair::of(*lmp)->packed()) {
+    if (PackedParticles* const packed = LawPair::of(*lmp)->kernel().packed()) {
         if (atom->nlocal > 0)
             packed->integrate({atom->x[0], atom->v[0], atom->f[0], atom->rmass, atom->nlocal}, kick, update->dt);
         return;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "solver_plugin/liggghts/wall_law.hpp"
+#include "solver_plugin/liggghts/law_pair.hpp"
 
 namespace tomodem::plugin {
 
@@ -32,12 +32,13 @@ void FixPlanes::choose_candidates(double low, double high) {
 }
 
 double FixPlanes::press(const std::vector<int>& candidates, double plane, double velocity, double inward) {
+    const LawPair& pair = *LawPair::of(*lmp);
     double total = 0;
     for (int i : candidates) {
         const double distance = inward * (atom->x[i][2] - plane);
         if (distance >= atom->radius[i]) continue;
         const double normal[3] = {0, 0, inward};
-        const double normal_force = wall_force(laws_, *lmp, i, distance, normal, inward * (atom->v[i][2] - velocity));
+        const double normal_force = pair.wall_force(i, distance, normal, inward * (atom->v[i][2] - velocity));
         atom->f[i][2] += inward * normal_force;
         total += normal_force;
         if (tally_step_ == update->ntimestep) tally_[static_cast<std::size_t>(i)] -= normal_force * distance;

@@ -1,7 +1,6 @@
 #pragma once
 #include <vector>
 
-#include "core/law/pair.hpp"
 #include "core/scene/load_path.hpp"
 #include "solver_plugin/liggghts/liggghts.hpp"
 
@@ -28,8 +27,6 @@ class FixPlanes : public LAMMPS_NS::Fix {
 
     FixPlanes(LAMMPS_NS::LAMMPS* lmp, int count, char** words) : Fix(lmp, count, words) {}
 
-    /// @param laws  by type, from 1, of a particle of the type's nominal radius
-    void use(std::vector<law::Wall> laws) { laws_ = std::move(laws); }
     void move(const Motion& motion) { motion_ = motion; }
     const Motion& motion() const { return motion_; }
     /// This process' share; the sum over processes is the force.
@@ -51,7 +48,6 @@ class FixPlanes : public LAMMPS_NS::Fix {
 
     Motion motion_;
     Forces forces_;
-    std::vector<law::Wall> laws_;
     std::vector<int> near_low_, near_high_;
     LAMMPS_NS::bigint tally_step_ = -1;
     std::vector<double> tally_;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "solver_plugin/liggghts/wall_law.hpp"
+#include "solver_plugin/liggghts/law_pair.hpp"
 
 namespace tomodem::plugin {
 
@@ -64,6 +64,7 @@ void FixSurface::post_force(int) {
 
     // The particles hold their half-step velocities when forces are computed: so does the surface.
     const Vec3 velocity = (moved - displacement(update->ntimestep - 1)) / update->dt;
+    const LawPair& pair = *LawPair::of(*lmp);
     Vec3 total = Vec3::Zero();
     const bool tallies = tally_step_ == update->ntimestep;
     if (tallies) tally_.assign(static_cast<std::size_t>(atom->nlocal), {});
@@ -72,9 +73,9 @@ void FixSurface::post_force(int) {
         tree_->contacts(candidate.triangles, place_of(i, moved), atom->radius[i], contacts_);
         const Vec3 relative = Vec3(atom->v[i][0], atom->v[i][1], atom->v[i][2]) - velocity;
         for (const SurfaceContact& contact : contacts_) {
-            const Vec3 on_particle = wall_force(laws_, *lmp, i, contact.distance, contact.direction.data(),
-                                                contact.direction.dot(relative)) *
-                                     contact.direction;
+            const Vec3 on_particle =
+                pair.wall_force(i, contact.distance, contact.direction.data(), contact.direction.dot(relative)) *
+                contact.direction;
             for (int axis = 0; axis < 3; ++axis) atom->f[i][axis] += on_particle[axis];
             total += on_particle;
             if (!tallies) continue;

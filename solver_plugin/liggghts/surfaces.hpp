@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "core/law/pair.hpp"
 #include "solver_plugin/liggghts/liggghts.hpp"
 #include "solver_plugin/pairs/triangle_contacts.hpp"
 
@@ -26,8 +25,6 @@ class FixSurface : public LAMMPS_NS::Fix {
 
     FixSurface(LAMMPS_NS::LAMMPS* lmp, int count, char** words) : Fix(lmp, count, words) {}
 
-    /// @param laws  by type, from 1, of a particle of the type's nominal radius
-    void use(std::vector<law::Wall> laws) { laws_ = std::move(laws); }
     /// @param mesh  where it is until it starts
     void place(const TriangleMesh& mesh, const Motion& motion);
     /// The motion's time counts from this step.
@@ -58,7 +55,6 @@ class FixSurface : public LAMMPS_NS::Fix {
     Motion motion_;
     LAMMPS_NS::bigint first_step_ = std::numeric_limits<LAMMPS_NS::bigint>::max() / 2;
     Forces forces_;
-    std::vector<law::Wall> laws_;
     std::vector<Candidate> candidates_;
     std::vector<SurfaceContact> contacts_;
     LAMMPS_NS::bigint tally_step_ = -1;

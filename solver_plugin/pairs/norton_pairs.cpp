@@ -63,15 +63,13 @@ struct Four {
 
 }  // namespace
 
-void NortonPairs::set_law(const law::Norton& law, double inner_skin) {
+void NortonPairs::set_law(const law::Norton& law, double list_skin) {
     law_ = law;
-    packed_.set_inner_skin(inner_skin);
+    packed_.set_inner_skin(list_skin * (C::crown * law.seed_diameter));
 }
 
 bool NortonPairs::bonded(const ParticleView& particles, int i, int j, const ContactMemory* memory) const {
-    if (particles.object != nullptr && particles.object[particles.id[i] - 1] != particles.object[particles.id[j] - 1])
-        return false;
-    return memory == nullptr || !memory->is_interface(i, particles.id[j]);
+    return particles.same_object(i, j) && (memory == nullptr || !memory->is_interface(i, particles.id[j]));
 }
 
 void NortonPairs::update_contacts(const ParticleView& particles, const PairStep& step, bool fresh,
@@ -385,8 +383,8 @@ void NortonPairs::unpack(int i, const double* numbers) {
     }
 }
 
-void NortonPairs::add_forces(const ParticleView& particles, const PairStep& step, double* forces, ContactMemory* memory,
-                             const std::function<void()>& exchange) {
+void NortonPairs::add_forces(const ParticleView& particles, const NeighbourView& list, const PairStep& step,
+                             double* forces, ContactMemory* memory, const UsePair* use) {
     const bool fresh = packed_.follow(particles, C::crown * law_.seed_diameter, step.renumbered, memory);
     // States are found four at a time.
     if (const std::size_t room = static_cast<std::size_t>(particles.count) + lanes; sums_.size() < room) {
@@ -399,6 +397,35 @@ void NortonPairs::add_forces(const ParticleView& particles, const PairStep& step
     exchange();
     compute();
     packed_.give_forces(particles, forces);
+    if (use != nullptr) pair_forces(particles, list, memory, *use);
+}
+
+void NortonPairs::pair_forces(const ParticleView& particles, const NeighbourView& list, const ContactMemory* memory,
+                              const UsePair& use) const {
+    const double reach = C::crown * law_.seed_diameter;
+    for_each_pair(list, [&](int i, int j) {
+        double apart[3], speed[3], squared = 0, force[3];
+        for (int c = 0; c < 3; ++c) {
+            apart[c] = particles.position[3 * i + c] - particles.position[3 * j + c];
+            speed[c] = particles.velocity[3 * i + c] - particles.velocity[3 * j + c];
+            squared += apart[c] * apart[c];
+        }
+        if (squared > reach * reach) return;
+        law::norton_force(law_, state(i), state(j), apart, speed, bonded(particles, i, j, memory), force);
+        use(i, j, force, apart);
+    });
+}
+
+double NortonPairs::wall_force(const WallContact& contact) const {
+    return law::norton_wall_force(law_, state(contact.particle).strength(), contact.distance, contact.rate,
+                                  contact.other_force, contact.time_step_over_mass);
+}
+
+double NortonPairs::seed_energy(const ParticleView& particles, const NeighbourView& list) const {
+    return spring_energy(particles, list, [&](int i, int j) {
+        return std::pair(C::core * law_.seed_diameter,
+                         C::core_stiffness * law_.seed_diameter * (state(i).strength() + state(j).strength()) / 2);
+    });
 }
 
 }  // namespace tomodem::plugin

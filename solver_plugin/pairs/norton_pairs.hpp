@@ -1,44 +1,38 @@
 #pragma once
-#include <functional>
 #include <vector>
 
 #include "core/law/norton_law.hpp"
-#include "solver_plugin/pairs/contact_memory.hpp"
-#include "solver_plugin/pairs/packed_particles.hpp"
-#include "solver_plugin/pairs/pair_step.hpp"
+#include "solver_plugin/pairs/pair_kernel.hpp"
 
 namespace tomodem::plugin {
 
 /// The NORTON law on four pairs at once (AVX2): a pass over the pairs for the sums of each particle, what follows from
 /// them, an exchange with the ghosts, and a pass for the forces.
-class NortonPairs {
+class NortonPairs final : public PairKernel {
  public:
-    /// Numbers of a particle that its ghosts on other processes need.
-    static constexpr int exchanged = 21;
-
-    /// @param inner_skin  as PackedParticles
-    void set_law(const law::Norton& law, double inner_skin);
+    /// May be called between any two steps.
+    /// @param list_skin  of its list, over the crown distance
+    void set_law(const law::Norton& law, double list_skin);
     const law::Norton& law() const { return law_; }
 
-    /// Adds the forces of all pairs to those of the local particles.
-    /// @param forces    3 per local particle
-    /// @param memory    of self-contact, whose next_outward() is added to; null without it
-    /// @param exchange  brings the state of each ghost, by pack() and unpack(); called once
-    void add_forces(const ParticleView& particles, const PairStep& step, double* forces, ContactMemory* memory,
-                    const std::function<void()>& exchange);
+    using PairKernel::packed;
+    PackedParticles* packed() override { return &packed_; }
+    void add_forces(const ParticleView& particles, const NeighbourView& list, const PairStep& step, double* forces,
+                    ContactMemory* memory, const UsePair* use) override;
+    void pair_forces(const ParticleView& particles, const NeighbourView& list, const ContactMemory* memory,
+                     const UsePair& use) const override;
+    double wall_force(const WallContact& contact) const override;
+    double seed_energy(const ParticleView& particles, const NeighbourView& list) const override;
+    int exchanged() const override { return 21; }
+    void pack(int i, double* numbers) const override;
+    void unpack(int i, const double* numbers) override;
 
+ private:
     /// Of the last computed step; ghosts included.
     const law::NortonState& state(int i) const { return states_[i].of; }
-    void pack(int i, double* numbers) const;
-    void unpack(int i, const double* numbers);
-
     /// Whether the force of a listed pair holds it together: one object, no interface.
     bool bonded(const ParticleView& particles, int i, int j, const ContactMemory* memory) const;
 
-    PackedParticles& packed() { return packed_; }
-    const PackedParticles& packed() const { return packed_; }
-
- private:
     struct alignas(64) Sums {
         law::NortonSums of;
     };

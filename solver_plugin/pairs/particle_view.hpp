@@ -14,6 +14,8 @@ struct ParticleView {
     int local_count;
     int count;                             ///< with ghosts
     const std::int32_t* object = nullptr;  ///< by id - 1; null: attraction does not look at objects
+
+    bool same_object(int i, int j) const { return object == nullptr || object[id[i] - 1] == object[id[j] - 1]; }
 };
 
 /// LIGGGHTS' half neighbour list: pairs within crown and skin.

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "core/scene/load_path.hpp"
-#include "core/scene/norton_model.hpp"
 #include "solver_plugin/run/guards.hpp"
 #include "solver_plugin/run/meter.hpp"
 #include "solver_plugin/run/scene_walls.hpp"
@@ -27,11 +26,12 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
     };
     const std::string hardening = names([](const Phase& phase) { return phase.hardening.has_value(); });
     std::vector<Ingredient> list;
-    const auto add = [&](const char* name, bool on, const std::string& why_on, const std::string& why_off) {
+    const auto add = [&](const std::string& name, bool on, const std::string& why_on, const std::string& why_off) {
         list.push_back({name, on, on ? why_on : why_off});
     };
-    add("viscous_flow_and_pressure_of_the_density", model.norton.has_value(), "law \"norton\"", "another law");
-    add("bounded_attraction", model.trilin, "law \"trilin\"", model.norton ? "law \"norton\"" : "law \"bilin\"");
+    const std::string own_law = fmt::format("law \"{}\"", model.law->name());
+    for (const Law* law : laws())
+        if (!law->traits().feature.empty()) add(law->traits().feature, law == model.law, own_law, own_law);
     add("several_laws", model.phases.size() > 1 || model.between_objects,
         model.phases.size() > 1 ? fmt::format("{} phases, mixed pairs take the averages", model.phases.size())
                                 : "one phase of several objects",
@@ -53,26 +53,12 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
         "free sides: no ghosts but those of processes");
     add("flow_initiation", scene.initiation.has_value(), "initiation in [load]", "full rate from the first step");
     add("relaxation_first", !sample.relaxed, "the sample is not relaxed", "the sample is relaxed");
-    add("rest_between_the_planes", model.planes_hold(), "planes of this law pull",
+    add("rest_between_the_planes", model.law->traits().planes_pull, "planes of this law pull",
         "planes of this law do not pull at rest");
     add("velocities_in_frames", scene.write_velocity, "velocity = true in [output]", "not asked for");
     add("stresses_in_frames", scene.write_stress, "stress = true in [output]", "not asked for");
     add("rotations_torques_friction", false, "", "the method has none");
     return list;
-}
-
-std::string time_step_reason(const Scene& scene, const Model& model) {
-    if (scene.time_step) return "given in [accuracy]";
-    if (scene.equilibrium_error) return fmt::format("equilibrium_error {:g}", *scene.equilibrium_error);
-    const double wanted = scene.strain_per_step / scene.highest_rate();
-    if (model.time_step >= wanted * (1 - 1e-9))
-        return fmt::format("strain_per_step {:g} at the highest rate {:g} /s", scene.strain_per_step,
-                           scene.highest_rate());
-    const auto shortest =
-        std::min_element(model.phases.begin(), model.phases.end(),
-                         [](const PhaseModel& a, const PhaseModel& b) { return a.natural_period < b.natural_period; });
-    return fmt::format("the natural period {:g} s of label {}, which needs so many steps", shortest->natural_period,
-                       shortest->label);
 }
 
 }  // namespace
@@ -88,12 +74,11 @@ Explanation explain(const Packing& sample, const Scene& scene, MPI_Comm communic
     found.flows = expected_flows(scene, static_cast<std::int64_t>(sample.size()), model);
     found.particles = static_cast<std::int64_t>(sample.size());
     found.time_step = model.time_step;
-    found.time_step_reason =
-        model.norton ? norton_time_step_reason(scene, sample, model) : time_step_reason(scene, model);
+    found.time_step_reason = model.law->time_step_reason(scene, sample, model);
     for (const LoadSegment& segment : path) found.steps += segment.steps;
     if (!sample.relaxed)
         found.steps += relaxation_steps(model, expected_relaxation_periods(static_cast<std::int64_t>(sample.size())));
-    if (model.planes_hold()) found.steps += relaxation_steps(model, seating_periods);
+    if (model.law->traits().planes_pull) found.steps += relaxation_steps(model, seating_periods);
 
     plugin::Simulation simulation(sample, model, scene.axis, communicator);
     if (!scene.steps.empty()) simulation.place_planes();

@@ -19,9 +19,6 @@ constexpr double runaway_energy = 0.05;
 /// the upper end of BILIN's rate sensitivity (chi = 41) it is 0.02.
 constexpr double collapse_energy = 0.2;
 
-/// Kinetic energy over that of the flow, NORTON; a sound run has 1.0 to 1.2, with stray particles up to 2.
-constexpr double greatest_heat = 10;
-
 /// Way of a plane in one time step over the crown radius: a particle must see a plane come (thesis: at most a tenth).
 constexpr double plane_way_refused = 0.5;
 constexpr double plane_way_warned = 0.1;
@@ -29,10 +26,6 @@ constexpr double plane_way_warned = 0.1;
 /// Share of the particles that the planes may have passed: the end of a strut that bears a load alone is pressed in
 /// that far, and pushed back out as the wall's force goes on rising behind it.
 constexpr double overrun_share = 1e-3;
-
-/// Ratio of the stiffnesses of two phases up to which the softer one flows as it should (a layer under a hard one: 10
-/// right on four packings, 30 scatters, 100 gives 0.67 to 1.10 of the soft phase alone).
-constexpr double stiffness_ratio_warned = 10;
 
 /// The same way in one natural period. A particle that a plane hits is dug into by 1/(2 pi) of it.
 constexpr double plane_way_in_period_warned = 1;
@@ -61,14 +54,15 @@ void refuse_runaway(const Simulation& simulation, double kinetic_energy, const M
             when, simulation.step(), energy, runaway_energy));
 }
 
-void refuse_heat(const Simulation& simulation, double kinetic_energy, const std::string& when) {
+void refuse_heat(const Simulation& simulation, double kinetic_energy, const Model& model, const std::string& when) {
+    const LawTraits& law = model.law->traits();
+    if (!std::isfinite(law.max_heat)) return;
     const double flow = simulation.flow_energy();
-    if (flow > 0 && kinetic_energy > greatest_heat * flow)
+    if (flow > 0 && kinetic_energy > law.max_heat * flow)
         throw InvalidInput(
             fmt::format("the packing heats up {} (step {}): its kinetic energy is {:.2g} times that of the flow, above "
-                        "{:g}; take a "
-                        "smaller time_step or equilibrium_error",
-                        when, simulation.step(), kinetic_energy / flow, greatest_heat));
+                        "{:g}; take a smaller time_step or {}",
+                        when, simulation.step(), kinetic_energy / flow, law.max_heat, law.less_heat));
 }
 
 void refuse_collapse(const Simulation& simulation, double elastic_energy, const Model& model, const std::string& when) {
@@ -84,27 +78,6 @@ void refuse_collapse(const Simulation& simulation, double elastic_energy, const 
             "the packing has collapsed {} (step {}): the elastic energy of its seeds is {:.2g} N k_rep r_s^2, above "
             "{:g}; is the seed radius of the sample right? Otherwise take a lower rate or a shorter natural_period",
             when, simulation.step(), energy, collapse_energy));
-}
-
-void warn_of_contrast(const Scene& scene, const Model& model, Reporter& reporter) {
-    if (model.norton || model.phases.empty()) return;
-    const auto [soft, hard] =
-        std::minmax_element(model.phases.begin(), model.phases.end(), [](const PhaseModel& a, const PhaseModel& b) {
-            return a.pair.repulsive_stiffness < b.pair.repulsive_stiffness;
-        });
-    const double ratio = hard->pair.repulsive_stiffness / soft->pair.repulsive_stiffness;
-    if (ratio > stiffness_ratio_warned * (1 + 1e-9))
-        reporter.warn(
-            fmt::format("[phase.{}] is {:.3g} times as stiff as [phase.{}]: above {:g} the stress of the softer one "
-                        "differs by a third and more from packing to packing; take phases of closer stiffness",
-                        scene.phase(hard->label).name, ratio, scene.phase(soft->label).name, stiffness_ratio_warned));
-}
-
-void warn_of_self_contact(const Model& model, Reporter& reporter) {
-    if (model.norton && model.self_contact)
-        reporter.warn(
-            "self_contact does not work under law \"norton\": its packings are loose, contacts inside are taken for "
-            "surfaces that meet, and the sample tears when it is pulled; take law \"trilin\"");
 }
 
 void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample, Reporter& reporter) {

@@ -18,20 +18,15 @@ double reduced_energy(const plugin::Simulation& simulation, double energy, const
 void refuse_runaway(const plugin::Simulation& simulation, double kinetic_energy, const Model& model,
                     const std::string& when);
 
-/// NORTON's dashpots weaken where it is hot and cannot cool it any more.
-/// @throws InvalidInput if the kinetic energy is ten times that of the flow
-void refuse_heat(const plugin::Simulation& simulation, double kinetic_energy, const std::string& when);
+/// A viscous law (NORTON) weakens where it is hot and cannot cool it any more.
+/// @throws InvalidInput if the kinetic energy over that of the flow is above the law's max_heat
+void refuse_heat(const plugin::Simulation& simulation, double kinetic_energy, const Model& model,
+                 const std::string& when);
 
 /// What only a run under load can do.
 /// @throws InvalidInput if planes have passed more than a thousandth of the particles, or seeds overlap deeply
 void refuse_collapse(const plugin::Simulation& simulation, double elastic_energy, const Model& model,
                      const std::string& when);
-
-/// Between phases of very different stiffness BILIN's and TRILIN's softer one comes out too weak: warns.
-void warn_of_contrast(const Scene& scene, const Model& model, Reporter& reporter);
-
-/// NORTON's packings are too loose for N_mag (docs/norton.md): warns.
-void warn_of_self_contact(const Model& model, Reporter& reporter);
 
 /// The planes must not jump over particles: warns, or throws InvalidInput.
 void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample, Reporter& reporter);

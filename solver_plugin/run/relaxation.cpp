@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
-#include "core/law/bilin_flow.hpp"
 #include "solver_plugin/run/guards.hpp"
 #include "solver_plugin/run/meter.hpp"
 #include "solver_plugin/run/stop_signals.hpp"
@@ -101,8 +100,8 @@ Rest relax_inside(Simulation& simulation, const Model& model, const RestLimits& 
 }  // namespace plugin
 
 RestLimits default_rest_limits(const Model& model) {
-    if (model.norton) return {.energy_ratio = 1e-3, .force_balance = 1e-2};
-    return {.energy_ratio = 1e-5, .force_balance = 1e-3};
+    const LawTraits& law = model.law->traits();
+    return {.energy_ratio = law.max_energy_ratio, .force_balance = law.max_force_balance};
 }
 
 double expected_relaxation_periods(std::int64_t particles) {

@@ -84,8 +84,7 @@ class Pressing {
             throw InvalidInput(fmt::format("cannot write '{}': name the HDF5 file (.h5), the .xdmf comes beside it",
                                            run_file.string()));
         check_plane_speed(scene, model_, *sample_, reporter);
-        warn_of_contrast(scene, model_, reporter);
-        warn_of_self_contact(model_, reporter);
+        model_.law->warn(scene, model_, reporter);
         has_objects_ = !sample_->object.empty();
         const Vec3 edges = sample_->box.edges;
         initial_section_ = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];
@@ -163,7 +162,7 @@ class Pressing {
             }
             if (!scene_.steps.empty()) simulation().place_planes();
             place_walls(simulation(), scene_, Room::checked);
-            if (model_.planes_hold()) {
+            if (model_.law->traits().planes_pull) {
                 rest_inside(simulation(), model_, seating_periods, watch, reporter_);
                 simulation().end_relaxation();
             }
@@ -261,8 +260,7 @@ class Pressing {
         const plugin::Energies energies = simulation().energies();
         refuse_runaway(simulation(), energies.kinetic, model_, fmt::format("at strain {:.3f}", simulation().strain()));
         refuse_collapse(simulation(), energies.seeds, model_, fmt::format("at strain {:.3f}", simulation().strain()));
-        if (model_.norton)
-            refuse_heat(simulation(), energies.kinetic, fmt::format("at strain {:.3f}", simulation().strain()));
+        refuse_heat(simulation(), energies.kinetic, model_, fmt::format("at strain {:.3f}", simulation().strain()));
         window_.add({simulation().take_forces(), simulation().take_wall_forces(), steps});
         const Forces forces = window_.mean();
         const double strain = simulation().strain();

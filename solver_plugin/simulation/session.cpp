@@ -69,7 +69,6 @@ Session::Session(MPI_Comm communicator) {
     lmp_ = std::make_unique<LAMMPS_NS::LAMMPS>(static_cast<int>(std::size(words)), arguments, communicator);
     std::cerr.clear();
     std::cerr.rdbuf(errors);
-    register_fixes(*lmp_);
 }
 
 Session::~Session() {

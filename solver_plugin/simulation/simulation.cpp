@@ -10,12 +10,6 @@
 namespace tomodem::plugin {
 namespace {
 
-/// Skin of LIGGGHTS' ghosts over the seed radius: BILIN's packings are cold, TRILIN's hot. The vector loop has a list
-/// of its own.
-double skin_over_seed(const Model& model) {
-    return model.trilin ? 1.6 : 0.6;
-}
-
 /// Drag during relaxation over the critical one. Without it the chatter of the attraction keeps the sample warm, and
 /// its surface tension closes pores: a foam's struts then move by 20 seed radii instead of 2.
 constexpr double relaxation_damping = 0.3;
@@ -59,13 +53,15 @@ Simulation::Simulation(const Packing& sample, const Model& model, int load_axis,
                                       ? 1 + 3 * model.radius_dispersion
                                       : *std::max_element(s.radius_factors.begin(), s.radius_factors.end());
     // How far the box may shrink: its neighbour bins must hold a crown and a skin even where the sample is flat.
-    const double least = 2 * model.crown_radius * largest_factor + skin_over_seed(model) * model.seed_radius;
+    const LawTraits& law = model.law->traits();
+    const double skin = law.neighbour_skin * model.seed_radius;
+    const double least = 2 * model.crown_radius * largest_factor + skin;
     LAMMPS_NS::Domain& domain = *s.session.lmp().domain;
     domain.minxlo = domain.minylo = domain.minzlo = -least;
     domain.minxhi = domain.minyhi = domain.minzhi = least;
     s.set_masses([](const PhaseModel& phase) { return phase.natural_period; });
 
-    command(fmt::format("neighbor {:.17g} bin", skin_over_seed(model) * model.seed_radius));
+    command(fmt::format("neighbor {:.17g} bin", skin));
     // Asked for by LIGGGHTS, read by no law of ours.
     std::string young = "peratomtype", poisson = "peratomtype";
     for (std::size_t k = 0; k < model.phases.size(); ++k) {
@@ -74,13 +70,11 @@ Simulation::Simulation(const Packing& sample, const Model& model, int load_axis,
     }
     command("fix youngsModulus all property/global youngsModulus " + young);
     command("fix poissonsRatio all property/global poissonsRatio " + poisson);
-    // NORTON is given to the pair style by use_laws().
-    command(fmt::format("pair_style gran model {} tangential off", model.trilin ? "trilin" : "bilin"));
-    s.pair = CrownPair::of(s.session.lmp());
+    command(fmt::format("pair_style gran model {} tangential off", law.name));
+    s.pair = LawPair::of(s.session.lmp());
     s.use_laws();
-    if (!s.object.empty()) s.pair->tell_objects_apart(s.object.data());
+    if (!s.object.empty()) s.pair->separate_objects(s.object.data());
     command("pair_coeff * *");
-    if (model.norton) command("fix norton all tomodem/norton");
     command(fmt::format("timestep {:.17g}", model.time_step));
     command("fix integration all tomodem/integrate");
     if (model.lateral != Lateral::free) {
@@ -101,7 +95,7 @@ Simulation::~Simulation() = default;
 void Simulation::begin_relaxation() {
     State& s = *state_;
     s.relaxing = true;
-    if (s.model.norton) {
+    if (s.model.law->traits().damping == Damping::law) {
         s.use_laws();
         return;
     }
@@ -110,7 +104,7 @@ void Simulation::begin_relaxation() {
         double stiffest = phase.pair.repulsive_stiffness;
         for (const PhaseModel& other : s.model.phases)
             stiffest = std::max(stiffest, law::mixed(phase.pair, other.pair).repulsive_stiffness);
-        const double period = law::least_steps_per_period * s.model.time_step;
+        const double period = relaxation_steps_per_period * s.model.time_step;
         return period * std::sqrt(stiffest / phase.pair.repulsive_stiffness);
     };
     s.set_masses(period_of);
@@ -126,9 +120,10 @@ void Simulation::begin_relaxation() {
 }
 
 void Simulation::end_relaxation() {
-    if (!state_->model.norton) state_->session.command("unfix drag");
+    const Damping damping = state_->model.law->traits().damping;
+    if (damping == Damping::drag) state_->session.command("unfix drag");
     state_->relaxing = false;
-    if (state_->model.norton) state_->use_laws();
+    if (damping == Damping::law) state_->use_laws();
     state_->loading_start = step();
     LAMMPS_NS::Atom& atoms = state_->atom();
     for (int i = 0; i < atoms.nlocal; ++i)
@@ -148,7 +143,7 @@ void Simulation::place_planes() {
     high = s.largest(high);
     if (!(high > low))
         throw InvalidInput("the sample has no height along the loading axis: it needs two layers at least");
-    if (s.model.planes_hold()) {
+    if (s.model.law->traits().planes_pull) {
         const double layer = std::min(s.model.crown_radius - s.model.seed_radius, high - low);
         const double in_layer = static_cast<double>(s.count) * layer / (high - low);
         low = s.face(low, high, in_layer, 1) - layer;
@@ -209,7 +204,8 @@ void Simulation::set_loading(const LoadSegment& segment) {
     }
     continue_loading(segment, step());
     // A viscous sample is stiffer than its inertia is patient: it is given the flow that the planes begin.
-    if (s.model.norton && s.planes != nullptr && !segment.affine) s.carry_along(segment.rate_at(0) - rate_before);
+    if (s.model.law->traits().starts_with_the_flow && s.planes != nullptr && !segment.affine)
+        s.carry_along(segment.rate_at(0) - rate_before);
     if (s.planes != nullptr && segment.noise > 0) s.shake(segment.noise * 2 * s.model.seed_radius);
 }
 

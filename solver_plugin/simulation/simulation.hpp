@@ -1,8 +1,6 @@
 #pragma once
 #include <mpi.h>
 
-#include <array>
-#include <compare>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -35,16 +33,6 @@ struct Energies {
 struct ForceBalance {
     double net = 0.0;   ///< force on a particle, root mean square [uN]
     double load = 0.0;  ///< sum of the magnitudes of a particle's pair forces, mean over the particles [uN]
-};
-
-enum class ContactState : std::int64_t { internal, interface, between_objects };
-
-/// A pair whose crowns meet.
-struct Contact {
-    std::int64_t a, b;  ///< places in the sample, from 1, a < b
-    ContactState state;
-    std::int64_t age;  ///< steps since an interface formed; 0 for the others, which are not remembered
-    auto operator<=>(const Contact&) const = default;
 };
 
 /// Every call is collective over the communicator; results are the same on every process unless said otherwise.
@@ -133,21 +121,8 @@ class Simulation {
     /// cut them: a particle that leaves goes on outside.
     std::vector<Vec3> positions() const;
 
-    /// Every pair in the crown, sorted, on the first process; empty elsewhere.
-    std::vector<Contact> contacts() const;
-    /// Outward vectors of self-contact [mm], in the order of the sample, on the first process; zero without
-    /// self-contact.
-    std::vector<Vec3> outward_vectors() const;
-    /// Process that owns each particle, in the order of the sample, on the first process.
-    std::vector<int> owners() const;
-    /// Processes along the two directions across the load and along it.
-    std::array<int, 3> process_grid() const;
-
-    /// Sets velocities [mm/s] (in the order of the sample) and returns the forces [uN] at this moment, on the first
-    /// process: what tests of the law look at.
-    std::vector<Vec3> forces_at(const std::vector<Vec3>& velocities);
-
  private:
+    friend class SimulationProbe;  // of the tests
     struct State;
     std::unique_ptr<State> state_;
 };

@@ -52,23 +52,6 @@ RowBlock Simulation::State::rows(int components, const std::function<double(int,
     return block;
 }
 
-template <class Item>
-std::vector<Item> Simulation::State::gather_all(const std::vector<Item>& mine) const {
-    int processes = 1;
-    MPI_Comm_size(communicator, &processes);
-    MPI_Datatype item;
-    MPI_Type_contiguous(sizeof(Item), MPI_BYTE, &item);
-    MPI_Type_commit(&item);
-    const int count = static_cast<int>(mine.size());
-    std::vector<int> counts(processes), starts(processes + 1);
-    MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, communicator);
-    for (int p = 0; p < processes; ++p) starts[p + 1] = starts[p] + counts[p];
-    std::vector<Item> all(rank == 0 ? starts.back() : 0);
-    MPI_Gatherv(mine.data(), count, item, all.data(), counts.data(), starts.data(), item, 0, communicator);
-    MPI_Type_free(&item);
-    return all;
-}
-
 std::vector<Vec3> Simulation::State::gather(double* const* local) {
     LAMMPS_NS::Atom& atoms = atom();
     int processes = 1;
@@ -140,7 +123,7 @@ ForceBalance Simulation::force_balance() {
         const LAMMPS_NS::Atom& atoms = s.atom();
         Forces seen{{atoms.tag, atoms.tag + atoms.nlocal}, {}, 0};
         seen.net.assign(seen.tags.size(), Vec3::Zero());
-        s.pair->tell_forces([&](int i, int j, const double* force, const double*) {
+        s.pair->pair_forces([&](int i, int j, const double* force, const double*) {
             const Vec3 vector(force);
             const double size = vector.norm();
             seen.net[static_cast<std::size_t>(i)] += vector;
@@ -273,7 +256,7 @@ RowBlock Simulation::stress_rows() const {
     constexpr int first[] = {0, 1, 2, 0, 0, 1}, second[] = {0, 1, 2, 1, 2, 2};
     const double over_volume = 1 / (volume_per_particle() * std::pow(s.scale, 3));
     std::vector<double> values(6 * mine);
-    s.pair->tell_forces([&](int i, int j, const double* force, const double* apart) {
+    s.pair->pair_forces([&](int i, int j, const double* force, const double* apart) {
         for (int k = 0; k < 6; ++k) {
             // From the centre to the contact it is half the way to the neighbour.
             const double part = -0.5 * force[first[k]] * apart[second[k]] * over_volume;
@@ -305,79 +288,6 @@ std::vector<Vec3> Simulation::positions() const {
     std::vector<Vec3> points = s.gather(rows.data());
     for (Vec3& point : points) point = s.centre + s.turned_back(point) / s.scale;
     return points;
-}
-
-std::vector<Contact> Simulation::contacts() const {
-    State& s = *state_;
-    s.set_up_if_needed();
-    const LAMMPS_NS::Atom& atoms = s.atom();
-    std::vector<Contact> mine;
-    s.pair->for_each_pair([&](int i, int j) {
-        const std::int64_t a = atoms.tag[i], b = atoms.tag[j];
-        // A pair across a process boundary is seen from both sides.
-        if (j >= atoms.nlocal && a >= b) return;
-        double squared = 0;
-        for (int c = 0; c < 3; ++c) squared += (atoms.x[i][c] - atoms.x[j][c]) * (atoms.x[i][c] - atoms.x[j][c]);
-        const double crowns = atoms.radius[i] + atoms.radius[j];
-        if (squared > crowns * crowns) return;
-        Contact contact{std::min(a, b), std::max(a, b), ContactState::internal, 0};
-        if (!s.object.empty() && s.object[a - 1] != s.object[b - 1])
-            contact.state = ContactState::between_objects;
-        else if (s.contact != nullptr)
-            for (const ContactMemory::Interface& known : s.contact->memory().interfaces(i))
-                if (known.partner == b) {
-                    contact.state = ContactState::interface;
-                    contact.age = step() - known.since;
-                }
-        mine.push_back(contact);
-    });
-    std::vector<Contact> all = s.gather_all(mine);
-    std::sort(all.begin(), all.end());
-    return all;
-}
-
-std::vector<Vec3> Simulation::outward_vectors() const {
-    State& s = *state_;
-    s.set_up_if_needed();
-    std::vector<Vec3> mine(s.atom().nlocal, Vec3::Zero());
-    std::vector<double*> rows;
-    for (std::size_t i = 0; i < mine.size(); ++i) {
-        if (s.contact != nullptr) {
-            const ContactMemory::Outward& outward = s.contact->memory().outward()[i];
-            mine[i] = s.turned_back({outward[0], outward[1], outward[2]}) / s.scale;
-        }
-        rows.push_back(mine[i].data());
-    }
-    return s.gather(rows.data());
-}
-
-std::vector<int> Simulation::owners() const {
-    State& s = *state_;
-    struct Owner {
-        int tag, rank;
-    };
-    std::vector<Owner> mine;
-    for (int i = 0; i < s.atom().nlocal; ++i) mine.push_back({s.atom().tag[i], s.rank});
-    std::vector<int> owners(s.rank == 0 ? s.count : 0);
-    for (const Owner& owner : s.gather_all(mine)) owners[owner.tag - 1] = owner.rank;
-    return owners;
-}
-
-std::array<int, 3> Simulation::process_grid() const {
-    const int* const grid = state_->session.lmp().comm->procgrid;
-    return {grid[0], grid[1], grid[2]};
-}
-
-std::vector<Vec3> Simulation::forces_at(const std::vector<Vec3>& velocities) {
-    State& s = *state_;
-    LAMMPS_NS::Atom& atoms = s.atom();
-    for (int i = 0; i < atoms.nlocal; ++i)
-        for (int c = 0; c < 3; ++c) atoms.v[i][c] = s.scale * velocities[atoms.tag[i] - 1][s.turned(c)];
-    s.ready = false;
-    s.set_up_if_needed();
-    std::vector<Vec3> forces = s.gather(atoms.f);
-    for (Vec3& force : forces) force = s.turned_back(force) / (s.scale * s.scale);
-    return forces;
 }
 
 }  // namespace tomodem::plugin

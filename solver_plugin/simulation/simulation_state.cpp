@@ -58,30 +58,7 @@ void Simulation::State::add_planes() {
 }
 
 void Simulation::State::use_laws() {
-    if (model.norton) {
-        law::Norton law = *model.norton;
-        law.at_rest = relaxing;
-        for (std::size_t k = 0; k < law.materials.size(); ++k) {
-            law.materials[k].consistency *= hardening[k];
-            law.materials[k].strength *= hardening[k];
-        }
-        pair->use(law);
-        return;
-    }
-    PairLaws laws;
-    laws.type_count = static_cast<int>(model.phases.size());
-    laws.dispersed = !radius_factors.empty();
-    laws.seed_to_crown = model.seed_radius / model.crown_radius;
-    std::vector<law::Pair> own;
-    for (std::size_t k = 0; k < model.phases.size(); ++k)
-        own.push_back(law::scaled(model.phases[k].pair, hardening[k]));
-    for (const law::Pair& a : own)
-        for (const law::Pair& b : own) laws.of_types.push_back(law::mixed(a, b));
-    pair->use(laws);
-    std::vector<law::Wall> walls(1);  // types count from 1
-    for (const law::Pair& law : own) walls.push_back(law::against_wall(law));
-    if (planes != nullptr) planes->use(walls);
-    for (FixSurface* surface : surfaces) surface->use(walls);
+    pair->use({model, hardening, relaxing, !radius_factors.empty()});
 }
 
 void Simulation::State::harden(double time) {

@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/law/bilin_flow.hpp"
-#include "solver_plugin/liggghts/crown_pair.hpp"
 #include "solver_plugin/liggghts/fix_contact.hpp"
 #include "solver_plugin/liggghts/fix_watch.hpp"
 #include "solver_plugin/liggghts/lateral_box.hpp"
+#include "solver_plugin/liggghts/law_pair.hpp"
 #include "solver_plugin/liggghts/planes.hpp"
 #include "solver_plugin/liggghts/surfaces.hpp"
 #include "solver_plugin/simulation/session.hpp"
@@ -34,7 +33,7 @@ struct Simulation::State {
     std::vector<FixSurface*> surfaces;
     LoadSegment segment;             ///< the present one
     std::int64_t segment_start = 0;  ///< its first step
-    CrownPair* pair = nullptr;
+    LawPair* pair = nullptr;
     FixWatch* watch = nullptr;
     FixContact* contact = nullptr;
     std::vector<std::int32_t> object;  ///< by id - 1, where the law looks at it
@@ -87,7 +86,7 @@ struct Simulation::State {
     /// Once.
     void add_planes();
 
-    /// Laws of all pairs of types with the present strength of each phase.
+    /// Gives the pair style the constants of the present strength of each phase.
     void use_laws();
 
     /// A phase that hardens keeps its natural period: stiffness and mass grow together, so that no trajectory changes.
@@ -138,10 +137,6 @@ struct Simulation::State {
     /// Deals `components` values of each local particle out to the processes that hold their rows.
     /// @param value  (local particle, component)
     RowBlock rows(int components, const std::function<double(int, int)>& value);
-
-    /// The items of every process one after the other, on the first process.
-    template <class Item>
-    std::vector<Item> gather_all(const std::vector<Item>& mine) const;
 
     /// Vectors of the local particles, in the order of the sample, on the first process.
     std::vector<Vec3> gather(double* const* local);

@@ -10,6 +10,7 @@
 
 #include "core/scene/scene.hpp"
 #include "solver_plugin/simulation/simulation.hpp"
+#include "tests/unit/solver/simulation_probe.hpp"
 #include "tools/packgen/compaction.hpp"
 
 namespace {
@@ -100,7 +101,7 @@ int main(int argc, char** argv) {
             simulation.end_relaxation();
         }
         Errors errors;
-        std::vector<Contact> before = simulation.contacts();
+        std::vector<Contact> before = plugin::SimulationProbe(simulation).contacts();
         // Far enough apart again for the blocks to separate.
         double strain = 0;
         for (const double target : {-0.5, 0.2}) {
@@ -108,7 +109,7 @@ int main(int argc, char** argv) {
             const long steps = std::lround(std::abs(target - strain) / (rate * 0.1));
             for (long step = 0; step < steps; ++step) {
                 simulation.run(1);
-                std::vector<Contact> now = simulation.contacts();
+                std::vector<Contact> now = plugin::SimulationProbe(simulation).contacts();
                 check(before, now, sample, errors);
                 before = std::move(now);
             }

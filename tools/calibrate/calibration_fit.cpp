@@ -19,7 +19,6 @@ namespace tomodem::calibrate {
 using namespace curves;
 namespace {
 
-constexpr double pascal_per_megapascal = 1e6;
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 /// Of the stress that the window of strain is found from.
@@ -72,8 +71,8 @@ using RowKey = std::tuple<double, double, bool>;
 std::map<RowKey, Row> rows_of(const std::vector<MeasuredRun>& runs, double particles, double strain_per_step) {
     std::map<RowKey, Row> rows;
     for (const MeasuredRun& run : runs) {
-        if (run.particles != particles || (run.law == Law::bilin && run.strain_per_step != strain_per_step)) continue;
-        rows[{run.control, run.law == Law::norton ? run.rate : 0, run.tension}].runs.push_back(&run);
+        if (run.particles != particles || (run.law == "bilin" && run.strain_per_step != strain_per_step)) continue;
+        rows[{run.control, run.law == "norton" ? run.rate : 0, run.tension}].runs.push_back(&run);
     }
     return rows;
 }
@@ -127,7 +126,7 @@ Sweep sweep_of(const std::vector<MeasuredRun>& runs, const FitOptions& options, 
     Sweep sweep;
     sweep.particles = options.particles > 0 ? options.particles
                                             : most_common(runs, [](const MeasuredRun& run) { return run.particles; });
-    if (runs.front().law == Law::bilin)
+    if (runs.front().law == "bilin")
         sweep.strain_per_step = options.strain_per_step > 0
                                     ? rounded(options.strain_per_step)
                                     : most_common(runs, [](const MeasuredRun& run) { return run.strain_per_step; });
@@ -159,7 +158,7 @@ Sweep sweep_of(const std::vector<MeasuredRun>& runs, const FitOptions& options, 
     window.strain = strain_window(compression, options);
     if (!tension.empty()) window.strain_tension = strain_window(tension, options);
     window.strain_error = options.strain_error;
-    if (one.law == Law::norton) return sweep;
+    if (one.law == "norton") return sweep;
     window.crown = one.crown;
     window.stiffness_ratio = one.stiffness_ratio;
     return sweep;
@@ -284,7 +283,7 @@ MeasuredRun measure_run(const std::filesystem::path& path, const FlowStrain& whe
     const double rate = scene.highest_rate();
     MeasuredRun run;
     run.file = path.string();
-    run.law = scene.law();
+    run.law = scene.law().name();
     run.tension = scene.steps.back().strain > 0;
     run.particles = static_cast<double>(reader.packing().size());
     run.density = reader.packing().density();
@@ -292,13 +291,13 @@ MeasuredRun measure_run(const std::filesystem::path& path, const FlowStrain& whe
     run.stiffness_ratio = rounded(phase.stiffness_ratio);
     run.rate = rounded(rate);
     run.strain_per_step = rounded(rate * model.time_step);
-    if (run.law == Law::norton) {
+    if (run.law == "norton") {
         run.control = phase.norton->rate_sensitivity;
         // The law was given K over the flow of the table that it used.
-        run.flow =
-            plateau.mean / (phase.norton->stress(rate) * pascal_per_megapascal) * scene.flow_table().norton->flow;
+        run.flow = plateau.mean / (phase.norton->stress(rate) * pascal_per_megapascal) *
+                   scene.flow_table().find<NortonCalibration>()->flow;
     } else {
-        run.control = rounded(run.law == Law::bilin ? constants.chi : rate * constants.natural_period);
+        run.control = rounded(run.law == "bilin" ? constants.chi : rate * constants.natural_period);
         run.flow = plateau.mean * 2 * model.seed_radius / constants.pair.repulsive_stiffness;
     }
     for (double strain = 0; strain <= largest_strain(curves); strain += ratio_spacing) {
@@ -316,14 +315,14 @@ MeasuredRun measure_run(const std::filesystem::path& path, const FlowStrain& whe
 Calibration fit_calibration(const std::vector<MeasuredRun>& runs, const FitOptions& options) {
     Calibration found;
     found.name = options.name;
-    const auto of = [&](Law law) {
+    const auto of = [&](const char* law) {
         std::vector<MeasuredRun> some;
         std::copy_if(runs.begin(), runs.end(), std::back_inserter(some), [&](auto& run) { return run.law == law; });
         return some;
     };
-    if (const auto some = of(Law::bilin); !some.empty()) found.bilin = fit_bilin(some, options);
-    if (const auto some = of(Law::trilin); !some.empty()) found.trilin = fit_trilin(some, options);
-    if (const auto some = of(Law::norton); !some.empty()) found.norton = fit_norton(some, options);
+    if (const auto some = of("bilin"); !some.empty()) found.add(fit_bilin(some, options));
+    if (const auto some = of("trilin"); !some.empty()) found.add(fit_trilin(some, options));
+    if (const auto some = of("norton"); !some.empty()) found.add(fit_norton(some, options));
     return found;
 }
 

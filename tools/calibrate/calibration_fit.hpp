@@ -3,7 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/calibration.hpp"
+#include "core/scene/laws/bilin.hpp"
+#include "core/scene/laws/norton.hpp"
+#include "core/scene/laws/trilin.hpp"
 #include "core/scene/scene.hpp"
 
 /// From runs of one material to the table that turns norton = { K, M } into constants (docs/calibration.md).
@@ -17,7 +19,7 @@ struct FlowStrain {
 /// What a run of one phase says of its law.
 struct MeasuredRun {
     std::string file;
-    Law law = Law::bilin;
+    std::string law = "bilin";
     bool tension = false;
     double particles = 0, density = 0, crown = 0, stiffness_ratio = 0;
     double control = 0;          ///< BILIN: chi; TRILIN: rate t0; NORTON: M

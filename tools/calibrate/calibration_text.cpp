@@ -35,8 +35,8 @@ std::string calibration_text(const Calibration& table) {
     std::string text =
         "# Made by calibration_table; docs/calibration.md says what each key means.\n[calibration]\nformat = 1\n";
     text += fmt::format("name = \"{}\"\n", table.name);
-    if (table.bilin) {
-        const BilinCalibration& bilin = *table.bilin;
+    if (const auto* const found = table.find<BilinCalibration>()) {
+        const BilinCalibration& bilin = *found;
         text += fmt::format(
             "\n# flow stress = k_rep / (2 r_s) flow(chi), chi = rate t0^2 / time_step\n[calibration.bilin]\n"
             "chi = {}\nflow = {}\nspread = {}\ngreatest_sensitivity = {:.4g}\nstrain_per_step = {}\n"
@@ -45,16 +45,16 @@ std::string calibration_text(const Calibration& table) {
             list(bilin.strain_per_step), list(bilin.time_step_error));
         text += window_text(bilin);
     }
-    if (table.trilin) {
-        const TrilinCalibration& trilin = *table.trilin;
+    if (const auto* const found = table.find<TrilinCalibration>()) {
+        const TrilinCalibration& trilin = *found;
         text += fmt::format(
             "\n# flow stress = k_rep / (2 r_s) flow (rate t0)^sensitivity\n[calibration.trilin]\n"
             "flow = {:.6g}\nsensitivity = {:.4g}\ntolerance = {:.4g}\nrate = {}\n",
             trilin.flow.flow, trilin.flow.sensitivity, trilin.flow.tolerance, list(trilin.rate));
         text += errors_text(trilin.error) + window_text(trilin);
     }
-    if (table.norton) {
-        const NortonCalibration& norton = *table.norton;
+    if (const auto* const found = table.find<NortonCalibration>()) {
+        const NortonCalibration& norton = *found;
         text += fmt::format(
             "\n# flow stress = K rate^M for a law that is given K / flow\n[calibration.norton]\n"
             "flow = {:.6g}\nsensitivity = {}\nrate_ratio = {:.6g}\n",

@@ -59,21 +59,25 @@ struct Compared {
 std::vector<Compared> beside_the_shipped(const Calibration& table) {
     const Calibration& shipped = shipped_calibration();
     std::vector<Compared> rows;
-    if (table.bilin)
-        for (std::size_t k = 0; k < table.bilin->curve.chi.size(); ++k) {
-            const double chi = table.bilin->curve.chi[k];
-            if (chi < shipped.bilin->curve.chi.front() || chi > shipped.bilin->curve.chi.back()) continue;
-            rows.push_back({"bilin", chi, table.bilin->curve.flow[k], table.bilin->spread[k],
-                            shipped.bilin->curve.at(chi), shipped.bilin->spread_at(chi)});
+    if (const auto* const bilin = table.find<BilinCalibration>())
+        for (std::size_t k = 0; k < bilin->curve.chi.size(); ++k) {
+            const double chi = bilin->curve.chi[k];
+            if (chi < shipped.find<BilinCalibration>()->curve.chi.front() ||
+                chi > shipped.find<BilinCalibration>()->curve.chi.back())
+                continue;
+            rows.push_back({"bilin", chi, bilin->curve.flow[k], bilin->spread[k],
+                            shipped.find<BilinCalibration>()->curve.at(chi),
+                            shipped.find<BilinCalibration>()->spread_at(chi)});
         }
-    if (table.trilin)
-        for (const double rate : table.trilin->rate)
-            rows.push_back({"trilin", rate, table.trilin->flow.at(rate), table.trilin->error.compression.value_or(0),
-                            shipped.trilin->flow.at(rate), shipped.trilin->error.compression.value_or(0), "error"});
-    if (table.norton)
-        rows.push_back({"norton", table.norton->sensitivity[1], table.norton->flow,
-                        table.norton->error.compression.value_or(0), shipped.norton->flow,
-                        shipped.norton->error.compression.value_or(0), "error"});
+    if (const auto* const trilin = table.find<TrilinCalibration>())
+        for (const double rate : trilin->rate)
+            rows.push_back({"trilin", rate, trilin->flow.at(rate), trilin->error.compression.value_or(0),
+                            shipped.find<TrilinCalibration>()->flow.at(rate),
+                            shipped.find<TrilinCalibration>()->error.compression.value_or(0), "error"});
+    if (const auto* const norton = table.find<NortonCalibration>())
+        rows.push_back({"norton", norton->sensitivity[1], norton->flow, norton->error.compression.value_or(0),
+                        shipped.find<NortonCalibration>()->flow,
+                        shipped.find<NortonCalibration>()->error.compression.value_or(0), "error"});
     return rows;
 }
 
@@ -115,19 +119,18 @@ void run(const Request& request, cli::Tool& tool) {
     write_text(request.table, text);
 
     tool.report("runs", static_cast<std::int64_t>(runs.size()));
-    if (table.bilin) {
-        report_window(*table.bilin, "bilin", tool);
+    if (const auto* const bilin = table.find<BilinCalibration>()) {
+        report_window(*bilin, "bilin", tool);
         tool.report("bilin_time_step_error",
-                    100 * *std::max_element(table.bilin->time_step_error.begin(), table.bilin->time_step_error.end()),
-                    "%");
+                    100 * *std::max_element(bilin->time_step_error.begin(), bilin->time_step_error.end()), "%");
     }
-    if (table.trilin) {
-        report_window(*table.trilin, "trilin", tool);
-        report_errors(table.trilin->error, "trilin", tool);
+    if (const auto* const trilin = table.find<TrilinCalibration>()) {
+        report_window(*trilin, "trilin", tool);
+        report_errors(trilin->error, "trilin", tool);
     }
-    if (table.norton) {
-        report_window(*table.norton, "norton", tool);
-        report_errors(table.norton->error, "norton", tool);
+    if (const auto* const norton = table.find<NortonCalibration>()) {
+        report_window(*norton, "norton", tool);
+        report_errors(norton->error, "norton", tool);
     }
     tool.report_json("rows", rows.json());
 }

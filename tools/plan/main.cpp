@@ -138,7 +138,7 @@ void report_features(const ImageFeatures& image, cli::Tool& tool) {
 }
 
 void report_proposal(const Proposal& found, const ImageFeatures& image, cli::Tool& tool) {
-    tool.report("law", std::string(name_of(found.choice.law)));
+    tool.report("law", found.choice.law);
     tool.report(found.choice.key(), found.choice.step);
     tool.report("pixels_per_seed", found.seed_radius / image.voxel, "voxels");
     tool.report("seed_radius", found.seed_radius, "mm");
@@ -241,8 +241,7 @@ void plan_for_error(const Request& given, cli::Tool& tool) {
     wanted.scene_name = request.scene.string();
     wanted.error = request.error / 100;
     wanted.smallest = request.feature == "smallest";
-    if (request.law != "any")
-        wanted.law = request.law == "bilin" ? Law::bilin : request.law == "trilin" ? Law::trilin : Law::norton;
+    if (request.law != "any") wanted.law = request.law;
     const Scene scene = readable_scene(wanted.scene_text, wanted.scene_name);
     const TradeTable table =
         request.table.empty() ? shipped_trade() : parse_trade(read_text(request.table), request.table.string());
@@ -256,10 +255,10 @@ void plan_for_error(const Request& given, cli::Tool& tool) {
 
     report_proposal(plan.proposal, image, tool);
     note_limits(plan, image, scene, tool);
-    for (const auto& [law, why] : plan.not_taken) tool.note(fmt::format("not law \"{}\": {}", name_of(law), why));
+    for (const auto& [law, why] : plan.not_taken) tool.note(fmt::format("not law \"{}\": {}", law, why));
     for (const Proposal& other : plan.other_laws)
-        tool.note(fmt::format("law \"{}\" would take {:.0f} particles and {:.3g} s", name_of(other.choice.law),
-                              other.particles, other.cpu_seconds + other.prepare_seconds));
+        tool.note(fmt::format("law \"{}\" would take {:.0f} particles and {:.3g} s", other.choice.law, other.particles,
+                              other.cpu_seconds + other.prepare_seconds));
     for (const ExpectedFlow& flow : plan.proposal.flows)
         if (!flow.outside.empty())
             tool.note(fmt::format("[phase.{}] would be outside its calibration: {}", flow.phase,

@@ -66,7 +66,7 @@ class Search {
 
     /// The cheapest within the error under one law; `closest` becomes the setting of the smallest error seen.
     /// @throws InvalidInput if the law cannot hold the scene
-    std::optional<Proposal> best(Law law, std::optional<Proposal>& closest) const {
+    std::optional<Proposal> best(const std::string& law, std::optional<Proposal>& closest) const {
         const LawTrade& trade = table_.law.at(law);
         for (const Quantity quantity : of_)
             if (!trade.curve.contains(quantity))
@@ -79,7 +79,7 @@ class Search {
             tried.density = trade.density;
             tried.scene = with_choice(request_.scene_text, tried.choice, request_.scene_name);
             const Scene scene = parse_scene(tried.scene, request_.scene_name);
-            if (law == Law::norton && scene.self_contact)
+            if (law == "norton" && scene.self_contact)
                 throw InvalidInput("self_contact does not work under it (docs/norton.md)");
             const auto [coarsest, finest] = radii(trade);
             for (double radius = coarsest;; radius /= radius_ratio) {
@@ -132,7 +132,7 @@ class Search {
         tried.time_step = model.time_step;
         tried.steps = 0;
         for (const LoadSegment& segment : load_path(scene, model.time_step)) tried.steps += segment.steps;
-        if (model.planes_hold()) tried.steps += relaxation_steps(model, seating_periods);
+        if (model.law->traits().planes_pull) tried.steps += relaxation_steps(model, seating_periods);
         tried.flows = expected_flows(scene, std::llround(tried.particles), model);
         const double decades = std::max(0.0, std::log10(scene.highest_rate() / scene.lowest_rate()));
         double misfit = 0;
@@ -206,7 +206,9 @@ Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const Tra
     const Search search(image, request, table, plan.of);
     std::optional<Proposal> closest;
     std::vector<Proposal> found;
-    for (const auto& [law, trade] : table.law) {
+    for (const Law* known : laws()) {
+        const std::string& law = known->name();
+        if (!table.law.contains(law)) continue;
         if (request.law && law != *request.law) continue;
         try {
             std::optional<Proposal> closest_of_law;
@@ -219,7 +221,7 @@ Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const Tra
     if (!closest) {
         std::string why;
         for (const auto& [law, reason] : plan.not_taken)
-            why += fmt::format("{}{}: {}", why.empty() ? "" : "; ", name_of(law), reason);
+            why += fmt::format("{}{}: {}", why.empty() ? "" : "; ", law, reason);
         throw InvalidInput(fmt::format("no law can hold scene '{}': {}", request.scene_name, why));
     }
     if (found.empty()) {
@@ -230,7 +232,7 @@ Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const Tra
             "an error of {:g} % is out of reach: the smallest is {:.2g} % of {}, with law \"{}\", {} = {:.4g} and "
             "{:.0f} "
             "particles; {} limits it",
-            100 * request.error, 100 * worst->parts.total(), name_of(worst->quantity), name_of(closest->choice.law),
+            100 * request.error, 100 * worst->parts.total(), name_of(worst->quantity), closest->choice.law,
             closest->choice.key(), closest->choice.step, closest->particles, worst->parts.largest()));
     }
     std::sort(found.begin(), found.end(),

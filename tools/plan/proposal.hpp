@@ -14,10 +14,10 @@ namespace tomodem::plan {
 /// What is wanted of a simulation.
 struct PlanRequest {
     std::string scene_text, scene_name;
-    double error = 0;          ///< share
-    std::vector<Quantity> of;  ///< each within the error; empty: all that the image and the scene have
-    bool smallest = false;     ///< the smallest feature is resolved, not the median one
-    std::optional<Law> law;    ///< no other
+    double error = 0;                ///< share
+    std::vector<Quantity> of;        ///< each within the error; empty: all that the image and the scene have
+    bool smallest = false;           ///< the smallest feature is resolved, not the median one
+    std::optional<std::string> law;  ///< no other
 };
 
 struct PredictedError {
@@ -43,9 +43,9 @@ struct Proposal {
 
 struct Plan {
     std::vector<Quantity> of;
-    Proposal proposal;                                   ///< the cheapest that keeps within the error
-    std::vector<std::pair<Law, std::string>> not_taken;  ///< laws that cannot hold the scene, and why
-    std::vector<Proposal> other_laws;                    ///< the cheapest of each other law within the error
+    Proposal proposal;                                           ///< the cheapest that keeps within the error
+    std::vector<std::pair<std::string, std::string>> not_taken;  ///< laws that cannot hold the scene, and why
+    std::vector<Proposal> other_laws;                            ///< the cheapest of each other law within the error
 };
 
 /// What `of` is when the user says nothing: the stress, S_f, pores or struts, by what the image has.

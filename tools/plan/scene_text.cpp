@@ -37,13 +37,13 @@ Edit replacement(const std::string& text, const toml::source_region& place, std:
     return {byte_of(text, place.begin), byte_of(text, place.end), std::move(by)};
 }
 
-void choose_law(const std::string& text, const toml::table& root, Law law, std::vector<Edit>& edits) {
+void choose_law(const std::string& text, const toml::table& root, const std::string& law, std::vector<Edit>& edits) {
     for (const auto& [name, node] : *root.get_as<toml::table>("phase")) {
         const toml::node* key = node.as_table()->get("law");
-        const std::string wanted = fmt::format("\"{}\"", name_of(law));
-        if (key != nullptr && key->value_or(std::string{}) != name_of(law))
+        const std::string wanted = fmt::format("\"{}\"", law);
+        if (key != nullptr && key->value_or(std::string{}) != law)
             edits.push_back(replacement(text, key->source(), wanted));
-        if (key == nullptr && law != Law::bilin) {
+        if (key == nullptr && law != "bilin") {
             const std::size_t at = end_of_line(text, byte_of(text, node.as_table()->get("label")->source().begin));
             edits.push_back({at, at, "\nlaw = " + wanted});
         }
@@ -62,7 +62,9 @@ void choose_step(const std::string& text, const toml::table& root, const SceneCh
     // A scene has one of them at most.
     for (const auto& [key, node] : *accuracy) {
         const bool automatic = key == "time_step" && node.is_string() && node.value_or(std::string{}) == "auto";
-        if (automatic || (key != "time_step" && key != "strain_per_step" && key != "equilibrium_error")) continue;
+        if (automatic || (key != "time_step" && key != "strain_per_step" && key != "inertia_share" &&
+                          key != "max_equilibrium_error"))
+            continue;
         if (key != choice.key() || node.value_or(0.0) != std::stod(fmt::format("{:.4g}", choice.step)))
             edits.push_back({byte_of(text, key.source().begin), byte_of(text, node.source().end), line});
         return;
@@ -104,12 +106,12 @@ std::string with_choice(const std::string& text, const SceneChoice& choice, cons
     for (const Edit& edit : edits) changed.replace(edit.first, edit.last - edit.first, edit.by);
 
     const Scene scene = parse_scene(changed, name);
-    const double step = choice.law == Law::norton ? scene.equilibrium_error.value_or(0) : scene.strain_per_step;
-    if (scene.law() != choice.law || std::abs(step / choice.step - 1) > 1e-3 || scene.time_step)
+    const double step = number_of(scene.law_accuracy, choice.key()).value_or(scene.strain_per_step);
+    if (scene.law().name() != choice.law || std::abs(step / choice.step - 1) > 1e-3 || scene.time_step)
         throw InvalidInput(fmt::format(
             "scene '{}': cannot put law = \"{}\" and {} = {:.4g} into it; write each key on a line of its own below "
             "[accuracy]",
-            name, name_of(choice.law), choice.key(), choice.step));
+            name, choice.law, choice.key(), choice.step));
     return changed;
 }
 
@@ -117,7 +119,7 @@ Scene readable_scene(const std::string& text, const std::string& name) {
     try {
         return parse_scene(text, name);
     } catch (const InvalidInput&) {
-        for (const SceneChoice& other : {SceneChoice{Law::norton, 0.02}, {Law::trilin, 1e-4}, {Law::bilin, 2e-5}}) try {
+        for (const SceneChoice& other : {SceneChoice{"norton", 0.02}, {"trilin", 1e-4}, {"bilin", 2e-5}}) try {
                 return parse_scene(with_choice(text, other, name), name);
             } catch (const InvalidInput&) {
                 // The next law, or what is wrong with the first.

@@ -7,9 +7,9 @@ namespace tomodem::plan {
 
 /// The setting that a plan chooses in a scene.
 struct SceneChoice {
-    Law law = Law::bilin;
-    double step = 0;  ///< strain_per_step; of NORTON equilibrium_error
-    const char* key() const { return law == Law::norton ? "equilibrium_error" : "strain_per_step"; }
+    std::string law = "bilin";
+    double step = 0;  ///< strain_per_step; of NORTON inertia_share
+    const std::string& key() const { return find_law(law)->traits().accuracy_key; }
 };
 
 /// The user's text with the law of every phase, and what chooses the time step, replaced; everything else, comments

@@ -13,7 +13,6 @@ namespace tomodem::plan {
 namespace {
 
 constexpr std::int64_t format = 1;
-constexpr std::array laws{Law::bilin, Law::trilin, Law::norton};
 
 TradeCurve read_curve(TomlReader& reader) {
     TradeCurve curve;
@@ -57,10 +56,6 @@ const char* name_of(Quantity quantity) {
     return "foam_stress";
 }
 
-const char* name_of(Law law) {
-    return law == Law::bilin ? "bilin" : law == Law::trilin ? "trilin" : "norton";
-}
-
 bool is_stress(Quantity quantity) {
     return quantity != Quantity::shape_factor && quantity != Quantity::pore_volume;
 }
@@ -97,8 +92,8 @@ TradeTable parse_trade(const std::string& text, const std::string& file) {
     TradeTable table;
     table.name = trade->text("name");
     table.processor = trade->text("processor");
-    for (const Law law : laws)
-        if (auto reader = trade->table(name_of(law))) table.law[law] = read_law(*reader);
+    for (const Law* law : laws())
+        if (auto reader = trade->table(law->name())) table.law[law->name()] = read_law(*reader);
     trade->refuse_unknown();
     return table;
 }

@@ -22,7 +22,6 @@ enum class Quantity {
 inline constexpr std::array quantities{Quantity::flow_stress, Quantity::composite_stress, Quantity::shape_factor,
                                        Quantity::pore_volume, Quantity::foam_stress};
 const char* name_of(Quantity quantity);
-const char* name_of(Law law);
 bool is_stress(Quantity quantity);
 
 /// An error in the parts that have nothing to do with each other; shares of the quantity.
@@ -42,7 +41,7 @@ struct TradeCurve {
     std::vector<double> resolution;    ///< rising
     std::vector<double> bias, spread;  ///< of each: |mean error| and standard deviation over the packings
     std::vector<double> step,
-        step_error;  ///< rising: strain_per_step, of NORTON equilibrium_error; and what it changes
+        step_error;  ///< rising: strain_per_step, of NORTON inertia_share; and what it changes
     /// Where the rate falls to a tenth of the one that constants are chosen for; none: not measured.
     std::optional<double> rate_error;
     double particle_step = 0;             ///< CPU time of a particle in a step [s]
@@ -61,7 +60,7 @@ struct LawTrade {
 
 struct TradeTable {
     std::string name, processor;
-    std::map<Law, LawTrade> law;
+    std::map<std::string, LawTrade, std::less<>> law;
 };
 
 /// @param file  stands for the text in errors

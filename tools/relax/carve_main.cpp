@@ -1,8 +1,8 @@
 // carve: take particles out of a sample and relax, until its pores are as large as those of the image.
 #include "core/cli/cli.hpp"
 #include "core/cli/volume_cli.hpp"
-#include "solver_plugin/run/mpi_tool.hpp"
 #include "tools/relax/carving.hpp"
+#include "tools/solve/mpi_main.hpp"
 
 namespace {
 

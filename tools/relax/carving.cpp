@@ -7,7 +7,6 @@
 
 #include "core/base/output_file.hpp"
 #include "core/packing/packing_file.hpp"
-#include "solver_plugin/run/mpi_tool.hpp"
 #include "solver_plugin/simulation/checkpoint.hpp"
 
 namespace tomodem {

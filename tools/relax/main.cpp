@@ -5,8 +5,8 @@
 
 #include "core/cli/cli.hpp"
 #include "core/packing/packing_file.hpp"
-#include "solver_plugin/run/mpi_tool.hpp"
 #include "solver_plugin/run/solver.hpp"
+#include "tools/solve/mpi_main.hpp"
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include "core/packing/packing_file.hpp"
 #include "core/scene/expected_flow.hpp"
 #include "solver_plugin/run/explain.hpp"
-#include "solver_plugin/run/mpi_tool.hpp"
+#include "tools/solve/mpi_main.hpp"
 
 namespace {
 
@@ -127,9 +127,7 @@ void run(const Request& request, cli::Tool& tool) {
         tool.note(
             fmt::format("the forces of the two planes differ by {:.0f} %: inertia or too few particles carry the "
                         "load; take {} or more particles",
-                        100 * result.mean_equilibrium_error,
-                        scene.phases.front().law == Law::norton ? "a smaller equilibrium_error"
-                                                                : "a lower rate, a smaller strain_per_step"));
+                        100 * result.mean_equilibrium_error, scene.law().traits().less_inertia));
     tool.report("processes", static_cast<std::int64_t>(result.cost.processes));
     tool.report("neighbour_builds", result.cost.neighbour_builds);
     if (result.predicted_wall_seconds > 0) tool.report("predicted_wall_seconds", result.predicted_wall_seconds, "s");

@@ -1,2 +1,2 @@
 // See README.md in this folder.
-#include "solver_plugin/liggghts/normal_models.h"
+#include "solver_plugin/liggghts/wall_model.h"

@@ -127,7 +127,7 @@ open("grey.raw", "wb").write(np.where(x*x + y*y + z*z < 12**2, 200, 100).astype(
     run -0 --separate-stderr plan "$image" proposed.toml --scene scene.toml --error 20%
     [[ $output == *'law: norton'* ]]
     [[ $stderr == *'not law "bilin": '*'tension'* ]]
-    grep -q 'equilibrium_error' proposed.toml
+    grep -q 'inertia_share' proposed.toml
     [ "$(grep -c 'law = "norton"' proposed.toml)" -eq 2 ]
 }
 

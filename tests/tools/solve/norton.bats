@@ -107,7 +107,7 @@ assert np.abs(two - one).max() < 0.01 * np.abs(one).max(), np.abs(two / one - 1)
     with() { sed "$1" scene.toml > bad.toml; refuses 1 "$2" solve brick.h5 bad.toml run.h5; }
     with 's/^norton = .*/&\nnatural_period = 1/' 'line 5: natural_period belongs to the other laws'
     with 's/^norton = .*/repulsive_stiffness = 1e9/' 'belongs to the other laws'
-    with 's/^frames.*/strain_per_step = 1e-5/' 'chooses the time step by equilibrium_error'
+    with 's/^frames.*/strain_per_step = 1e-5/' 'chooses the time step by inertia_share'
     with '1i radius_dispersion = 0.1' 'is made for equal radii'
     with '1i crown_radius = 0.7' 'is made for a crown_radius of 1.5 seed radii'
     with 's/M = 0.5/M = 1.2/' 'M in norton is above 1'

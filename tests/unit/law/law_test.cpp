@@ -6,7 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/law/self_contact.hpp"
-#include "core/scene/calibration.hpp"
+#include "core/scene/laws/bilin.hpp"
 
 namespace tomodem::law {
 namespace {
@@ -65,14 +65,14 @@ TEST(SelfContact, IsAnInterfaceWhereTwoFreeSurfacesMeet) {
 TEST(BilinMasterCurve, PassesThroughTheThesisPhases) {
     // Thesis: t0 and k_rep of both phases, time step 5e-4 s, 1e-3 /s.
     const auto flow_stress = [](double stiffness, double period) {
-        return stiffness * shipped_calibration().bilin->curve.at(1e-3 * period * period / 5e-4) / 1e6;
+        return stiffness * shipped_calibration().find<BilinCalibration>()->curve.at(1e-3 * period * period / 5e-4) / 1e6;
     };
     EXPECT_NEAR(flow_stress(6.23e9, 1e-2), 94.3, 0.05 * 94.3);
     EXPECT_NEAR(flow_stress(2.65e9, 0.8), 170.1, 0.10 * 170.1);
 }
 
 TEST(BilinMasterCurve, RisesAndRefusesTheCollapse) {
-    const BilinFlow& curve = shipped_calibration().bilin->curve;
+    const BilinFlow& curve = shipped_calibration().find<BilinCalibration>()->curve;
     double last = 0;
     for (double chi = 0.01; chi < 41; chi *= 1.3) {
         EXPECT_GE(curve.at(chi), last);
@@ -82,7 +82,7 @@ TEST(BilinMasterCurve, RisesAndRefusesTheCollapse) {
 }
 
 TEST(BilinChi, HasTheSensitivityAskedFor) {
-    const BilinFlow& curve = shipped_calibration().bilin->curve;
+    const BilinFlow& curve = shipped_calibration().find<BilinCalibration>()->curve;
     for (double sensitivity : {0.05, 0.1, 0.2, 0.3, 0.4})
         EXPECT_NEAR(curve.sensitivity(curve.chi_for(sensitivity)), sensitivity, 1e-6);
     EXPECT_EQ(curve.chi_for(2.45e-3), 0);

@@ -36,7 +36,7 @@ std::string replaced(std::string in, const std::string& what, const std::string&
 
 TEST(TradeTable, IsStraightBetweenItsPointsInTheLogarithms) {
     const TradeTable table = parse_trade(text, "table.toml");
-    const ErrorParts parts = table.law.at(Law::bilin).curve.at(Quantity::shape_factor).error(8, std::sqrt(1e-9));
+    const ErrorParts parts = table.law.at("bilin").curve.at(Quantity::shape_factor).error(8, std::sqrt(1e-9));
     EXPECT_NEAR(parts.resolution, 0.15, 1e-12);
     EXPECT_NEAR(parts.packings, 2 * 0.015, 1e-12);
     EXPECT_NEAR(parts.time_step, 0.02, 1e-12);
@@ -45,23 +45,23 @@ TEST(TradeTable, IsStraightBetweenItsPointsInTheLogarithms) {
 }
 
 TEST(TradeTable, PromisesNothingMoreBeyondItsFinestPoint) {
-    const TradeCurve curve = parse_trade(text, "table.toml").law.at(Law::bilin).curve.at(Quantity::shape_factor);
+    const TradeCurve curve = parse_trade(text, "table.toml").law.at("bilin").curve.at(Quantity::shape_factor);
     EXPECT_EQ(curve.error(100, 1e-7).total(), curve.error(16, 1e-5).total());
 }
 
 TEST(TradeTable, KnowsNothingBeyondItsCoarsestPoint) {
-    const TradeCurve curve = parse_trade(text, "table.toml").law.at(Law::bilin).curve.at(Quantity::shape_factor);
+    const TradeCurve curve = parse_trade(text, "table.toml").law.at("bilin").curve.at(Quantity::shape_factor);
     EXPECT_THROW(curve.error(3.9, 1e-5), std::out_of_range);
     EXPECT_THROW(curve.error(4, 2e-4), std::out_of_range);
 }
 
 TEST(TradeTable, ThatShipsHasEveryQuantityOfItsLaws) {
     const TradeTable& table = shipped_trade();
-    for (const Law law : {Law::bilin, Law::trilin, Law::norton})
+    for (const std::string law : {"bilin", "trilin", "norton"})
         for (const Quantity quantity : quantities) {
             // TRILIN has no M of the phase A that objects are measured in.
             const bool known =
-                law != Law::trilin || (quantity != Quantity::composite_stress && quantity != Quantity::shape_factor);
+                law != "trilin" || (quantity != Quantity::composite_stress && quantity != Quantity::shape_factor);
             EXPECT_EQ(table.law.at(law).curve.contains(quantity), known) << name_of(law) << ' ' << name_of(quantity);
         }
 }

@@ -6,6 +6,9 @@
 
 #include "core/base/error.hpp"
 #include "core/scene/expected_flow.hpp"
+#include "core/scene/laws/bilin.hpp"
+#include "core/scene/laws/norton.hpp"
+#include "core/scene/laws/trilin.hpp"
 #include "core/scene/model.hpp"
 
 namespace tomodem {
@@ -60,10 +63,10 @@ Packing cloud(std::size_t count) {
 
 TEST(Calibration, ThatShipsHoldsEveryLaw) {
     const Calibration& shipped = shipped_calibration();
-    ASSERT_TRUE(shipped.bilin && shipped.trilin && shipped.norton);
-    EXPECT_EQ(shipped.norton->flow, 1.07);
+    for (const Law* law : laws()) ASSERT_TRUE(shipped.tables.contains(law->name()));
+    EXPECT_EQ(shipped.find<NortonCalibration>()->flow, 1.07);
     // The thesis' calibration of TRILIN: K = 49.1 MPa.s^M for k_rep = 1.42e9 uN/mm, r_s = 0.5 mm, t0 = 1 s.
-    EXPECT_NEAR(shipped.trilin->flow.at(1) * 1.42e9, 49.1e6, 1);
+    EXPECT_NEAR(shipped.find<TrilinCalibration>()->flow.at(1) * 1.42e9, 49.1e6, 1);
 }
 
 TEST(Calibration, OfASceneGivesItsConstants) {
@@ -86,7 +89,7 @@ TEST(Calibration, SaysTheErrorToExpectAndItsWindow) {
     EXPECT_EQ(found.phase, "a");
     EXPECT_NEAR(found.stress, 1000e6 * std::pow(1e-2, 0.3), 1);
     EXPECT_NEAR(found.size, 0.05, 1e-12) << "half way between 100 and 10,000 particles in the logarithm";
-    EXPECT_NEAR(found.packings, 2 * scene.calibration->bilin->spread_at(model.phases[0].chi), 1e-12);
+    EXPECT_NEAR(found.packings, 2 * scene.calibration->find<BilinCalibration>()->spread_at(model.phases[0].chi), 1e-12);
     EXPECT_NEAR(found.rates, std::abs(0.5 * std::pow(10, 0.3) - 1), 1e-3) << "a slope of 0.301 instead of 0.3";
     EXPECT_NEAR(found.error,
                 std::sqrt(std::pow(found.size, 2) + std::pow(found.packings, 2) + std::pow(found.rates, 2) + 1e-4),
@@ -125,7 +128,7 @@ TEST(Calibration, TellsTensionFromCompression) {
             "s.toml");
         return expected_flows(scene, static_cast<std::int64_t>(sample.size()), compile_model(scene, sample)).at(0);
     };
-    const TrilinCalibration& shipped = *shipped_calibration().trilin;
+    const TrilinCalibration& shipped = *shipped_calibration().find<TrilinCalibration>();
     EXPECT_NEAR(expected("-0.3").error, std::hypot(*shipped.error.compression, 0.04), 1e-9);
     EXPECT_NEAR(expected("0.3").error, std::hypot(*shipped.error.tension, 0.04), 1e-9);
     EXPECT_THAT(expected("-0.8").outside, testing::IsEmpty());
@@ -164,7 +167,7 @@ TEST(Calibration, RefusesATableThatIsWrongWithItsLine) {
     refused("density", "densty", "[calibration.bilin] has no 'density'");
     refused("packings = 3", "packings = 3\npaking = 2", "line 12: unknown key 'paking' in [calibration.bilin]");
     refused("format = 1", "format = 2", "line 2: format is another than 1");
-    refused("[0.2, 0.5]", "[0.5, 0.2]", "strain in [calibration.bilin] must be [least, greatest]");
+    refused("[0.2, 0.5]", "[0.5, 0.2]", "strain in [calibration.bilin] must be [smallest, largest]");
     EXPECT_THAT([] { parse_calibration("a = 1", "t.toml"); },
                 ThrowsMessage<InvalidInput>(HasSubstr("has no table [calibration]")));
 }

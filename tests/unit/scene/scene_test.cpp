@@ -1,5 +1,6 @@
 #include "core/scene/scene.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -116,7 +117,7 @@ steps = [ { strain = -0.3, rate = 1e-3 }, { strain = 0.1, rate = 1e-3 } ]
 
 TEST(Scene, ReadsALawThatCarriesTensionWithSelfContactAndHardening) {
     const Scene scene = parse_scene("radius_dispersion = 0.05\n" + porous, "s.toml");
-    EXPECT_EQ(scene.law(), Law::trilin);
+    EXPECT_EQ(scene.law().name(), "trilin");
     EXPECT_DOUBLE_EQ(scene.crown_radius, 0.7);
     EXPECT_DOUBLE_EQ(scene.radius_dispersion, 0.05);
     EXPECT_TRUE(scene.self_contact);
@@ -124,6 +125,23 @@ TEST(Scene, ReadsALawThatCarriesTensionWithSelfContactAndHardening) {
     EXPECT_DOUBLE_EQ(scene.phases[0].stiffness_ratio, 3);
     EXPECT_DOUBLE_EQ(scene.phases[0].hardening->factor(50), 1.25);
     EXPECT_DOUBLE_EQ(scene.phases[0].hardening->factor(1000), 1.5);
+}
+
+TEST(Scene, SaysTheNewNameOfAKeyThatWasRenamed) {
+    const auto text = [](const char* law, const char* key) {
+        return fmt::format(
+            "[phase.a]\nlabel = 1\nlaw = \"{}\"\nnorton = {{ K = 49.1, M = 0.0714 }}\n[load]\n"
+            "steps = [ {{ strain = -0.1, rate = 1e-3 }} ]\n[accuracy]\n{} = 0.01\n",
+            law, key);
+    };
+    expect_refused(text("bilin", "equilibrium_error"), "8", "equilibrium_error is called max_equilibrium_error now");
+    expect_refused(text("norton", "equilibrium_error"), "8", "equilibrium_error is called inertia_share now");
+    expect_refused(text("trilin", "equilibrium_error"), "8", "choose strain_per_step");
+    expect_refused(text("bilin", "inertia_share"), "8", "belongs to law \"norton\"");
+    expect_refused(text("norton", "max_equilibrium_error"), "8", "belongs to law \"bilin\"");
+    EXPECT_EQ(number_of(parse_scene(text("norton", "inertia_share"), "s").law_accuracy, "inertia_share"), 0.01);
+    EXPECT_EQ(number_of(parse_scene(text("bilin", "max_equilibrium_error"), "s").law_accuracy, "max_equilibrium_error"),
+              0.01);
 }
 
 TEST(Scene, RefusesWhatALawDoesNotHave) {

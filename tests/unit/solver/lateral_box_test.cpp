@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "solver_plugin/simulation/simulation.hpp"
+#include "tests/unit/solver/simulation_probe.hpp"
 
 namespace tomodem {
 namespace {
@@ -22,7 +23,7 @@ double force_across_the_side(double strain_rate) {
     plugin::Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
     simulation.place_planes();
     simulation.set_loading({.rate = {strain_rate}, .steps = 1, .time_step = model.time_step});
-    return simulation.forces_at({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()})[0].x();
+    return plugin::SimulationProbe(simulation).forces_at({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()})[0].x();
 }
 
 TEST(LateralBox, MovesImagesWithTheRateOfTheEdge) {

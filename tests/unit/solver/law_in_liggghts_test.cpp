@@ -7,6 +7,7 @@
 
 #include "core/law/pair.hpp"
 #include "solver_plugin/simulation/simulation.hpp"
+#include "tests/unit/solver/simulation_probe.hpp"
 
 namespace tomodem {
 namespace {
@@ -41,7 +42,8 @@ Packing pair_of(std::int32_t first, std::int32_t second, double distance, double
 double force_in_liggghts(const Packing& pair, double rate, int axis = 2) {
     Simulation simulation(pair, two_phase_model(), axis, MPI_COMM_WORLD);
     const Vec3 direction = (pair.position[1] - pair.position[0]).normalized();
-    const auto forces = simulation.forces_at({Vec3(-0.3, 0.1, 0.2), Vec3(-0.3, 0.1, 0.2) + rate * direction});
+    const auto forces =
+        plugin::SimulationProbe(simulation).forces_at({Vec3(-0.3, 0.1, 0.2), Vec3(-0.3, 0.1, 0.2) + rate * direction});
     EXPECT_LT((forces[0] + forces[1]).norm(), relative * (1 + forces[0].norm())) << "action is not reaction";
     EXPECT_NEAR(forces[1].cross(direction).norm(), 0, 1e-9 * (1 + forces[1].norm())) << "force is not central";
     return forces[1].dot(direction);
@@ -110,7 +112,8 @@ TEST_P(LawInLiggghts, ActsBetweenParticleAndPlane) {
             simulation.place_planes();
             // The planes start one seed radius outside and close by a strain: the distance to both is then `distance`.
             simulation.set_loading({.strain = std::log(1 + 2 * (distance - model.seed_radius) / 10)});
-            const auto forces = simulation.forces_at({Vec3(0, 0, speed_away), Vec3(0, 0, -speed_away)});
+            const auto forces =
+                plugin::SimulationProbe(simulation).forces_at({Vec3(0, 0, speed_away), Vec3(0, 0, -speed_away)});
             const double expected = law::pair_force(law, distance, speed_away);
             EXPECT_NEAR(forces[0].z(), expected, relative * law.repulsive_stiffness) << distance << ' ' << speed_away;
             EXPECT_NEAR(forces[1].z(), -expected, relative * law.repulsive_stiffness) << distance << ' ' << speed_away;
@@ -121,7 +124,7 @@ TEST_P(LawInLiggghts, ActsBetweenParticleAndPlane) {
 Model trilin_model() {
     Model model = two_phase_model();
     model.crown_radius = 0.7;
-    model.trilin = true;
+    model.law = &trilin_law();
     model.phases = {{1, {1.0, 1.4, 1.42e9, 4.73e8, 1e8}, 1.0, 3.6e7, 0.0}};
     return model;
 }
@@ -129,7 +132,7 @@ Model trilin_model() {
 double force_on_second(const Packing& pair, const Model& model, double rate) {
     Simulation simulation(pair, model, 2, MPI_COMM_WORLD);
     const Vec3 direction = (pair.position[1] - pair.position[0]).normalized();
-    return simulation.forces_at({Vec3::Zero(), rate * direction})[1].dot(direction);
+    return plugin::SimulationProbe(simulation).forces_at({Vec3::Zero(), rate * direction})[1].dot(direction);
 }
 
 TEST_P(LawInLiggghts, BoundsTheAttractionOfTrilin) {

@@ -3,9 +3,11 @@
 #include <mpi.h>
 
 #include "core/base/error.hpp"
+#include "core/scene/laws/norton.hpp"
 #include "core/scene/scene.hpp"
 #include "solver_plugin/run/guards.hpp"
 #include "solver_plugin/simulation/simulation.hpp"
+#include "tests/unit/solver/simulation_probe.hpp"
 #include "tools/packgen/compaction.hpp"
 
 namespace tomodem {
@@ -57,7 +59,7 @@ std::vector<Vec3> stirred(const Packing& packing) {
 
 /// From the formulas, every pair on its own.
 std::vector<Vec3> expected_forces(const Packing& packing, const Model& model, const std::vector<Vec3>& velocities) {
-    const law::Norton& law = *model.norton;
+    const law::Norton& law = norton_of(model);
     const double scale = model.seed_radius / packing.seed_radius, reach = C::crown * law.seed_diameter;
     const std::size_t count = packing.size();
     std::vector<law::NortonSums> sums(count, law::NortonSums{});
@@ -98,7 +100,7 @@ TEST(Norton, ForcesAreThoseOfTheFormulasOnAnyNumberOfProcesses) {
     const Model model = model_of(packing);
     const std::vector<Vec3> velocities = stirred(packing);
     Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
-    const std::vector<Vec3> forces = simulation.forces_at(velocities);
+    const std::vector<Vec3> forces = plugin::SimulationProbe(simulation).forces_at(velocities);
     if (rank() != 0) return;
     const std::vector<Vec3> expected = expected_forces(packing, model, velocities);
     double largest = 0, difference = 0;
@@ -142,9 +144,9 @@ TEST(Norton, ASampleBeginsWithTheFlowAndIsRefusedWhenItHeats) {
     const double flow = simulation.flow_energy();
     ASSERT_GT(flow, 0);
     EXPECT_NEAR(simulation.energies().kinetic, flow, 1e-9 * flow);
-    refuse_heat(simulation, 9 * flow, "here");
+    refuse_heat(simulation, 9 * flow, model_of(packing), "here");
     EXPECT_THAT(
-        [&] { refuse_heat(simulation, 11 * flow, "here"); },
+        [&] { refuse_heat(simulation, 11 * flow, model_of(packing), "here"); },
         testing::ThrowsMessage<InvalidInput>(testing::HasSubstr("the packing heats up here (step 0): its kinetic "
                                                                 "energy is 11 times that of the flow")));
 }

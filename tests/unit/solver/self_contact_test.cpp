@@ -6,6 +6,7 @@
 
 #include "core/scene/scene.hpp"
 #include "solver_plugin/simulation/simulation.hpp"
+#include "tests/unit/solver/simulation_probe.hpp"
 #include "tools/packgen/compaction.hpp"
 
 namespace tomodem {
@@ -107,15 +108,15 @@ Outcome fold(const Packing& sample, MPI_Comm communicator) {
     simulation.set_loading({.rate = {-rate}});
     simulation.run(0);
     const std::int64_t builds = simulation.neighbour_builds();
-    const std::vector<int> before = simulation.owners();
+    const std::vector<int> before = plugin::SimulationProbe(simulation).owners();
     simulation.run(500);
-    Outcome outcome{simulation.contacts(),
+    Outcome outcome{plugin::SimulationProbe(simulation).contacts(),
                     simulation.positions(),
-                    simulation.outward_vectors(),
+                    plugin::SimulationProbe(simulation).outward_vectors(),
                     simulation.neighbour_builds() - builds,
                     0,
-                    simulation.process_grid()};
-    const std::vector<int> after = simulation.owners();
+                    plugin::SimulationProbe(simulation).process_grid()};
+    const std::vector<int> after = plugin::SimulationProbe(simulation).owners();
     for (std::size_t k = 0; k < before.size(); ++k) outcome.changed_owner += before[k] != after[k];
     return outcome;
 }
@@ -143,7 +144,7 @@ TEST(SelfContact, FindsNoSeamInsideADenseBlock) {
     simulation.place_planes();
     simulation.set_loading({.rate = {-rate}});
     if (processes() == 4) {
-        EXPECT_EQ(simulation.process_grid(), (std::array{2, 2, 1}));
+        EXPECT_EQ(plugin::SimulationProbe(simulation).process_grid(), (std::array{2, 2, 1}));
     }
     // At first two diameters from every face: beside the free surface a pair may well be an interface.
     constexpr double depth = 2;
@@ -155,7 +156,7 @@ TEST(SelfContact, FindsNoSeamInsideADenseBlock) {
     for (int look = 0; look < 20; ++look) {
         simulation.run(50);
         std::size_t pairs = 0, interfaces = 0;
-        for (const Contact& contact : simulation.contacts()) {
+        for (const Contact& contact : plugin::SimulationProbe(simulation).contacts()) {
             if (!inside(contact.a) || !inside(contact.b)) continue;
             ++pairs;
             interfaces += contact.state == ContactState::interface;

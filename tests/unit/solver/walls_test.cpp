@@ -9,6 +9,7 @@
 #include "core/packing/packing_file.hpp"
 #include "solver_plugin/run/solver.hpp"
 #include "solver_plugin/simulation/simulation.hpp"
+#include "tests/unit/solver/simulation_probe.hpp"
 #include "tests/unit/temporary_folder.hpp"
 #include "tools/packgen/compaction.hpp"
 
@@ -70,7 +71,8 @@ TEST_P(WallFeature, OfAFlatSurfaceGivesTheForceOfAPlane) {
             for (int axis : {0, 1, 2}) {
                 Simulation simulation(over(GetParam(), distance), model, axis, MPI_COMM_WORLD);
                 simulation.place_wall(plate(10, 0, 10, 0), {});
-                const auto forces = simulation.forces_at({Vec3(0.1, -0.2, speed_away), Vec3(0, 0, 0)});
+                const auto forces =
+                    plugin::SimulationProbe(simulation).forces_at({Vec3(0.1, -0.2, speed_away), Vec3(0, 0, 0)});
                 const double expected = law::wall_force(law, distance, speed_away);
                 EXPECT_NEAR(forces[0].z(), expected, relative * law.repulsive_stiffness) << distance << speed_away;
                 EXPECT_NEAR(forces[0].x(), 0, relative * law.repulsive_stiffness);

@@ -238,8 +238,9 @@ void run(const Request& request, cli::Tool& tool) {
     report("Q_last", last.kinetic_number);
     report("kinetic_over_elastic_last", last.kinetic_over_elastic);
     std::int64_t exceeded = warn_of_imbalance(frames.run(), curves, tool);
-    exceeded += frames.scene()->law() == Law::norton ? heat.warn_above(heat_limit, tool)
-                                                     : warn_of_leaving(curves, phases, packing.size(), diameter, tool);
+    exceeded += std::isfinite(frames.scene()->law().traits().max_heat)
+                    ? heat.warn_above(heat_limit, tool)
+                    : warn_of_leaving(curves, phases, packing.size(), diameter, tool);
     tool.report("limits_exceeded", exceeded);
     tool.report_json("rows", table.json());
 }

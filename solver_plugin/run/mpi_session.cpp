@@ -1,4 +1,4 @@
-#include "solver_plugin/run/mpi_tool.hpp"
+#include "solver_plugin/run/mpi_session.hpp"
 
 #include <mpi.h>
 
@@ -7,7 +7,7 @@
 
 namespace tomodem {
 
-MpiTool::MpiTool(int& argc, char**& argv) {
+MpiSession::MpiSession(int& argc, char**& argv) {
     hdf5_lock();  // HDF5 that finds MPI running hooks itself into its end, and crashes there after a full disk
     MPI_Init(&argc, &argv);
     int rank = 0;
@@ -15,7 +15,7 @@ MpiTool::MpiTool(int& argc, char**& argv) {
     first_ = rank == 0;
 }
 
-int MpiTool::end(int status) {
+int MpiSession::end(int status) {
     int highest = status;
     MPI_Request request;
     MPI_Iallreduce(&status, &highest, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD, &request);

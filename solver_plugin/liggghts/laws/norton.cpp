@@ -1,0 +1,77 @@
+// NORTON inside LIGGGHTS.
+#include <cmath>
+#include <limits>
+
+#include "core/base/error.hpp"
+#include "core/scene/laws/norton.hpp"
+#include "solver_plugin/liggghts/liggghts.hpp"
+// behind the headers of LIGGGHTS
+#include "solver_plugin/liggghts/laws/script_properties.hpp"
+#include "solver_plugin/liggghts/solver_law.hpp"
+#include "solver_plugin/pairs/norton_pairs.hpp"
+#include "solver_plugin/pairs/vector_pairs.hpp"
+
+namespace tomodem::plugin {
+namespace {
+
+/// An input script gives consistency: peratomtype, K [stress time^M]; rateSensitivity: peratomtype, M; flowRate:
+/// scalar, the strain rate of the load [1/time], which the elastic parts and the film at walls go by.
+class NortonSolverLaw final : public SolverLaw {
+ public:
+    NortonSolverLaw() {
+        if (!VectorPairs::supported())
+            throw InvalidInput("law \"norton\" needs a processor with AVX2 and FMA, as x86-64 ones have since 2013");
+    }
+
+    PairKernel& kernel() override { return pairs_; }
+
+    void use(const PresentModel& present) override {
+        law::Norton law = norton_of(present.model);
+        law.at_rest = present.at_rest;
+        for (std::size_t k = 0; k < law.materials.size(); ++k) {
+            law.materials[k].consistency *= present.strength[k];
+            law.materials[k].strength *= present.strength[k];
+        }
+        pairs_.set_law(law, norton_law().traits().list_skin);
+    }
+
+    void connect(PropertyRegistry& registry, const char* caller) override {
+        script::connect_types<consistency>(registry, consistency_, caller);
+        script::connect_types<sensitivity>(registry, sensitivity_, caller);
+        script::connect_scalar<flow_rate>(registry, flow_rate_, caller);
+    }
+
+    void read(const ScriptParticles& particles) override {
+        law::Norton law;
+        law.flow_rate = flow_rate_;
+        law.least_rate = law::NortonConstants::rate_floor * flow_rate_;
+        const double flow = shipped_calibration().find<NortonCalibration>()->flow;
+        double crown = 0;
+        for (std::size_t type = 1; type < particles.crown_radius.size(); ++type) {
+            const double radius = particles.crown_radius[type];
+            if (particles.dispersed || (radius > 0 && crown > 0 && radius != crown))
+                throw InvalidInput("model norton is made for particles of one diameter");
+            crown = std::max(crown, radius);
+            const double own = consistency_[type] / flow;
+            law.materials.push_back({own, sensitivity_[type], own * std::pow(flow_rate_, sensitivity_[type])});
+        }
+        law.seed_diameter = 2 * crown / law::NortonConstants::crown;
+        pairs_.set_law(law, norton_law().traits().list_skin);
+    }
+
+ private:
+    static constexpr char consistency[] = "consistency", sensitivity[] = "rateSensitivity", flow_rate[] = "flowRate";
+
+    NortonPairs pairs_;
+    double* consistency_ = nullptr;
+    double* sensitivity_ = nullptr;
+    double flow_rate_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<SolverLaw> make_norton() {
+    return std::make_unique<NortonSolverLaw>();
+}
+
+}  // namespace tomodem::plugin

@@ -1,0 +1,112 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "solver_plugin/pairs/contact_memory.hpp"
+#include "solver_plugin/pairs/packed_particles.hpp"
+#include "solver_plugin/pairs/pair_step.hpp"
+#include "solver_plugin/pairs/particle_view.hpp"
+
+namespace tomodem::plugin {
+
+/// A particle at a wall.
+struct WallContact {
+    int particle;
+    int type;            ///< from 1
+    double radius;       ///< of the particle's crown
+    double distance;     ///< from its centre to the wall
+    double rate;         ///< of the distance, relative to the wall
+    double other_force;  ///< of everything else on the particle, along the normal
+    double time_step_over_mass;
+};
+
+/// The forces of one law in one simulation: a call for all pairs of a step, never one for a pair.
+class PairKernel {
+ public:
+    /// (i, j, force on i [3], vector from j to i [3]) of a pair that acts; j may be a ghost.
+    using UsePair = std::function<void(int, int, const double*, const double*)>;
+
+    virtual ~PairKernel() = default;
+
+    /// Where the kernel keeps particles and a list of its own; null: it runs over the list that it is given.
+    virtual PackedParticles* packed() { return nullptr; }
+    const PackedParticles* packed() const { return const_cast<PairKernel*>(this)->packed(); }
+
+    /// Adds the forces of all pairs to those of the local particles. Here: those of pair_forces(), without
+    /// self-contact.
+    /// @param forces  3 per local particle
+    /// @param memory  of self-contact, whose next_outward() is added to; null without it
+    /// @param use     is called for every pair too; null where nobody asks
+    virtual void add_forces(const ParticleView& particles, const NeighbourView& list, const PairStep& step,
+                            double* forces, ContactMemory* memory, const UsePair* use);
+
+    /// Reports the force of every pair as the law saw it in the last step, and changes nothing.
+    /// @param particles  with velocities half a step old
+    /// @param memory     null without self-contact
+    virtual void pair_forces(const ParticleView& particles, const NeighbourView& list, const ContactMemory* memory,
+                             const UsePair& use) const = 0;
+
+    /// Force of a wall along its normal, repulsion positive [uN].
+    virtual double wall_force(const WallContact& contact) const = 0;
+
+    /// Elastic energy of the overlapping seeds; half of it for pairs with a ghost.
+    virtual double seed_energy(const ParticleView& particles, const NeighbourView& list) const = 0;
+
+    /// Numbers of a particle that its ghosts on other processes need between two passes of add_forces(); 0: none.
+    virtual int exchanged() const { return 0; }
+    virtual void pack(int /*i*/, double* /*numbers*/) const {}
+    virtual void unpack(int /*i*/, const double* /*numbers*/) {}
+    /// @param exchange  brings those of each ghost, by pack() and unpack(); collective
+    void set_exchange(std::function<void()> exchange) { exchange_ = std::move(exchange); }
+
+    /// Calls use(i, j) for every pair that may be in the crown: those of two particles of this process once, those
+    /// with a ghost with i of this process.
+    template <class Use>
+    void for_each_pair(const NeighbourView& list, Use use) const {
+        if (const PackedParticles* const own = packed()) {
+            own->list().for_each_pair(use);
+            return;
+        }
+        for (int row = 0; row < list.row_count; ++row)
+            for (int entry = 0, i = list.rows[row]; entry < list.lengths[i]; ++entry)
+                use(i, list.neighbours[i][entry] & list.index_mask);
+    }
+
+ protected:
+    void exchange() const { exchange_(); }
+
+    /// Of seeds that overlap as springs do.
+    /// @param seeds  (i, j) to {sum of the seed radii, stiffness}
+    template <class Seeds>
+    double spring_energy(const ParticleView& particles, const NeighbourView& list, Seeds seeds) const {
+        double energy = 0;
+        for_each_pair(list, [&](int i, int j) {
+            double squared = 0;
+            for (int axis = 0; axis < 3; ++axis)
+                squared += std::pow(particles.position[3 * i + axis] - particles.position[3 * j + axis], 2);
+            const auto [distance, stiffness] = seeds(i, j);
+            if (squared >= distance * distance) return;
+            // A pair across a process boundary is seen from both sides.
+            const double share = j < particles.local_count ? 1.0 : 0.5;
+            energy += share * 0.5 * stiffness * std::pow(distance - std::sqrt(squared), 2);
+        });
+        return energy;
+    }
+
+ private:
+    std::function<void()> exchange_;
+};
+
+inline void PairKernel::add_forces(const ParticleView& particles, const NeighbourView& list, const PairStep&,
+                                   double* forces, ContactMemory*, const UsePair* use) {
+    pair_forces(particles, list, nullptr, [&](int i, int j, const double* force, const double* apart) {
+        for (int c = 0; c < 3; ++c) {
+            forces[3 * i + c] += force[c];
+            if (j < particles.local_count) forces[3 * j + c] -= force[c];
+        }
+        if (use != nullptr) (*use)(i, j, force, apart);
+    });
+}
+
+}  // namespace tomodem::plugin
