@@ -81,7 +81,7 @@ std::vector<double> of_each(const Rows& rows, const std::function<double(const S
 
 /// Which rows: what is not given may be anything.
 struct Wanted {
-    std::optional<Law> law = {};
+    std::optional<std::string> law = {};
     std::vector<std::string> quantities = {};
     std::optional<double> size = {}, step = {}, rate = {};
     bool base_filter_only = false;
@@ -105,7 +105,7 @@ class Sweep {
         return found;
     }
 
-    std::optional<TradeCurve> curve(Quantity quantity, Law law) const {
+    std::optional<TradeCurve> curve(Quantity quantity, const std::string& law) const {
         const std::vector<std::string> parts = parts_of(quantity);
         Wanted measured{.law = law, .quantities = parts, .rate = own_rate, .base_filter_only = true};
         const Rows rows = of(measured);
@@ -168,7 +168,7 @@ class Sweep {
     double truth(const std::string& part, double rate) const {
         if (const auto known = references_.find(part); known != references_.end())
             if (const auto value = known->second.find(rate); value != known->second.end()) return value->second;
-        Wanted wanted{.law = Law::norton, .quantities = {part}};
+        Wanted wanted{.law = "norton", .quantities = {part}};
         if (of(wanted).empty()) wanted.law = rows_.front().law;
         wanted.rate = rate;
         wanted.base_filter_only = true;
@@ -176,7 +176,7 @@ class Sweep {
         if (rows.empty())
             throw InvalidInput(
                 fmt::format("'{}' has no reference at the rate {:g}, and no run of law \"{}\" to count its errors from",
-                            part, rate, name_of(*wanted.law)));
+                            part, rate, *wanted.law));
         const auto fineness = [](const SweepRow* row) { return std::pair(row->size, -row->step); };
         const auto finest = fineness(*std::max_element(
             rows.begin(), rows.end(), [&](const auto* a, const auto* b) { return fineness(a) < fineness(b); }));
@@ -193,14 +193,14 @@ class Sweep {
         std::vector<double> found = of_each(of(wanted), [&](const SweepRow& row) { return row.value / right - 1; });
         if (found.empty())
             throw InvalidInput(fmt::format("no run of law \"{}\" measured '{}' at size {:g}, step {:g} and rate {:g}",
-                                           name_of(*wanted.law), part, wanted.size.value_or(0), wanted.step.value_or(0),
+                                           *wanted.law, part, wanted.size.value_or(0), wanted.step.value_or(0),
                                            wanted.rate.value_or(own_rate)));
         return found;
     }
 
     /// What a step changes against the base one in the same samples, in the finest size that has both and where it is
     /// another time step; 0 where there is none.
-    double change(const std::string& part, Law law, double step, double base) const {
+    double change(const std::string& part, const std::string& law, double step, double base) const {
         std::map<double, std::array<std::map<std::string, const SweepRow*>, 2>, std::greater<>> sizes;
         for (const SweepRow* row : of({.law = law, .quantities = {part}, .rate = own_rate, .base_filter_only = true})) {
             if (row->step == step) sizes[row->size][0][row->packing] = row;
@@ -221,7 +221,7 @@ class Sweep {
     /// The largest over what was measured; further from the base step it is no smaller.
     ///
     /// Where errors are counted from NORTON itself, its base step has the error that the finest one takes away.
-    std::vector<double> step_errors(const std::vector<std::string>& parts, Law law, double base,
+    std::vector<double> step_errors(const std::vector<std::string>& parts, const std::string& law, double base,
                                     const std::vector<double>& steps) const {
         std::vector<double> found;
         for (const double step : steps) {
@@ -235,7 +235,7 @@ class Sweep {
         for (std::size_t k = at + 2; k < found.size(); ++k) found[k] = std::max(found[k], found[k - 1]);
         const bool known = std::all_of(parts.begin(), parts.end(),
                                        [&](const std::string& part) { return references_.contains(part); });
-        if (law == Law::norton && !known) {
+        if (law == "norton" && !known) {
             const double of_base = found.front();
             for (std::size_t k = 0; k < found.size(); ++k) found[k] = k < at ? of_base - found[k] : of_base + found[k];
         }
@@ -243,7 +243,7 @@ class Sweep {
     }
 
     /// What has to be added, as a square, to the mean error at the rate of the constants to have that at a tenth of it.
-    std::optional<double> rate_error(const std::vector<std::string>& parts, Law law, double base) const {
+    std::optional<double> rate_error(const std::vector<std::string>& parts, const std::string& law, double base) const {
         std::optional<double> largest;
         for (const std::string& part : parts) {
             std::set<double> sizes;
@@ -267,7 +267,7 @@ class Sweep {
 
     /// Bytes without particles, and of each particle: those of dense samples, as an image's own share hides them
     /// elsewhere.
-    std::array<double, 2> memory(const Rows& rows, Law law) const {
+    std::array<double, 2> memory(const Rows& rows, const std::string& law) const {
         Rows dense = of({.law = law, .quantities = {name_of(Quantity::flow_stress)}});
         if (dense.empty()) dense = rows;
         const auto particles = [](const SweepRow& row) { return row.particles; };
@@ -295,8 +295,6 @@ class Sweep {
     const std::vector<SweepRow>& rows_;
     const References& references_;
 };
-
-constexpr std::array laws{Law::bilin, Law::trilin, Law::norton};
 
 std::vector<std::string> cells_of(const std::string& line) {
     std::vector<std::string> cells;
@@ -348,10 +346,9 @@ std::vector<SweepRow> read_sweep(const std::filesystem::path& table) {
                 fail(fmt::format("{} '{}' is not a number", name, cell));
             return found;
         };
-        const auto law = std::find_if(laws.begin(), laws.end(), [&](Law one) { return word("law") == name_of(one); });
-        if (law == laws.end()) fail(fmt::format("there is no law '{}'", word("law")));
+        if (find_law(word("law")) == nullptr) fail(fmt::format("there is no law '{}'", word("law")));
         rows.push_back({.scene = word("scene"),
-                        .law = *law,
+                        .law = word("law"),
                         .size = value("size"),
                         .step = value("step"),
                         .rate = value("rate"),
@@ -395,7 +392,7 @@ References read_references(const std::filesystem::path& file) {
 }
 
 TradeTable fit_trade(const std::vector<SweepRow>& rows, const References& references,
-                     const std::map<Law, double>& densities) {
+                     const std::map<std::string, double>& densities) {
     const Sweep sweep(rows, references);
     TradeTable table;
     for (const auto& [law, density] : densities) {
@@ -414,16 +411,19 @@ std::string trade_text(const TradeTable& table) {
         "# What accuracy costs, measured by pipelines/trade: docs/trade.md says what each key means.\n"
         "[trade]\nformat = 1\nname = \"{}\"\nprocessor = \"{}\"   # whose seconds these are\n",
         table.name, table.processor);
-    for (const auto& [law, trade] : table.law) {
-        text += fmt::format("\n[trade.{}]\ndensity = {:g}\n", name_of(law), trade.density);
+    for (const Law* known : laws()) {
+        const auto held = table.law.find(known->name());
+        if (held == table.law.end()) continue;
+        const auto& [law, trade] = *held;
+        text += fmt::format("\n[trade.{}]\ndensity = {:g}\n", law, trade.density);
         for (const Quantity quantity : quantities) {
             const auto found = trade.curve.find(quantity);
             if (found == trade.curve.end()) continue;
             const TradeCurve& curve = found->second;
             text +=
                 fmt::format("\n[trade.{}.{}]\nresolution = {}\nbias = {}\nspread = {}\nstep = {}\nstep_error = {}\n",
-                            name_of(law), name_of(quantity), list(curve.resolution), list(curve.bias),
-                            list(curve.spread), list(curve.step), list(curve.step_error));
+                            law, name_of(quantity), list(curve.resolution), list(curve.bias), list(curve.spread),
+                            list(curve.step), list(curve.step_error));
             if (curve.rate_error) text += fmt::format("rate_error = {:.3g}\n", *curve.rate_error);
             text += fmt::format("particle_step = {:.3g}\nbytes = {}\nprepare = {}\n", curve.particle_step,
                                 list({curve.bytes[0], curve.bytes[1]}), list({curve.prepare[0], curve.prepare[1]}));

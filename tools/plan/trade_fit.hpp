@@ -13,9 +13,9 @@ namespace tomodem::plan {
 /// What one run of a sweep measured and cost: a row of the sweep's results.csv.
 struct SweepRow {
     std::string scene;
-    Law law = Law::bilin;
+    std::string law = "bilin";
     double size = 0;       ///< resolution that the run was made for: particles across the feature, or of the sample
-    double step = 0;       ///< strain_per_step; of NORTON equilibrium_error
+    double step = 0;       ///< strain_per_step; of NORTON inertia_share
     double rate = 0;       ///< rate of the load over the one that the constants were chosen for
     std::string filter;    ///< of vol2pack
     std::string packing;   ///< random seed of the brick
@@ -46,7 +46,7 @@ References read_references(const std::filesystem::path& file);
 /// @param densities  of the brick of each law
 /// @throws InvalidInput if a quantity lacks a run that its error is counted from
 TradeTable fit_trade(const std::vector<SweepRow>& rows, const References& references,
-                     const std::map<Law, double>& densities);
+                     const std::map<std::string, double>& densities);
 
 /// The table as TOML text, which parse_trade reads.
 std::string trade_text(const TradeTable& table);

@@ -30,8 +30,8 @@ cli::Usage usage(Request& request) {
         .example("trade_table results.csv reference.toml trade.toml --densities bilin=0.70,trilin=0.74,norton=0.64");
 }
 
-std::map<Law, double> parse_densities(const std::string& text) {
-    std::map<Law, double> densities;
+std::map<std::string, double> parse_densities(const std::string& text) {
+    std::map<std::string, double> densities;
     std::stringstream parts(text);
     for (std::string part; std::getline(parts, part, ',');) {
         const std::size_t equals = part.find('=');
@@ -43,13 +43,8 @@ std::map<Law, double> parse_densities(const std::string& text) {
         } catch (const std::exception&) {
             density = 0;
         }
-        bool known = false;
-        for (const Law law : {Law::bilin, Law::trilin, Law::norton})
-            if (name == name_of(law)) {
-                densities[law] = density;
-                known = true;
-            }
-        if (!known || !(density > 0) || density > 1 || used != part.size() - equals - 1)
+        if (find_law(name) != nullptr) densities[name] = density;
+        if (find_law(name) == nullptr || !(density > 0) || density > 1 || used != part.size() - equals - 1)
             throw WrongUsage(
                 fmt::format("--densities '{}': expected LAW=DENSITY separated by commas, as bilin=0.70", text));
     }
@@ -74,7 +69,7 @@ void run(const Request& request, cli::Tool& tool) {
     write_text(request.table, text);
     tool.report("rows", static_cast<std::int64_t>(rows.size()));
     for (const auto& [law, trade] : table.law)
-        tool.report(fmt::format("quantities_{}", name_of(law)), static_cast<std::int64_t>(trade.curve.size()));
+        tool.report(fmt::format("quantities_{}", law), static_cast<std::int64_t>(trade.curve.size()));
 }
 }  // namespace
 

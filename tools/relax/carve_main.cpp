@@ -1,8 +1,8 @@
 // carve: take particles out of a sample and relax, until its pores are as large as those of the image.
 #include "core/cli/cli.hpp"
 #include "core/cli/volume_cli.hpp"
+#include "solver_plugin/run/mpi_session.hpp"
 #include "tools/relax/carving.hpp"
-#include "tools/solve/mpi_main.hpp"
 
 namespace {
 
@@ -52,5 +52,6 @@ void run(const Request& request, cli::Tool& tool) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    return mpi_main(argc, argv, usage, run);
+    MpiSession mpi(argc, argv);
+    return mpi.end(cli::main(argc, argv, usage, run, mpi.first() ? cli::Voice::heard : cli::Voice::silent));
 }

@@ -5,8 +5,8 @@
 
 #include "core/cli/cli.hpp"
 #include "core/packing/packing_file.hpp"
+#include "solver_plugin/run/mpi_session.hpp"
 #include "solver_plugin/run/solver.hpp"
-#include "tools/solve/mpi_main.hpp"
 
 namespace {
 
@@ -89,5 +89,6 @@ void run(const Request& request, cli::Tool& tool) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    return mpi_main(argc, argv, usage, run);
+    MpiSession mpi(argc, argv);
+    return mpi.end(cli::main(argc, argv, usage, run, mpi.first() ? cli::Voice::heard : cli::Voice::silent));
 }

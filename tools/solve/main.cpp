@@ -10,7 +10,7 @@
 #include "core/packing/packing_file.hpp"
 #include "core/scene/expected_flow.hpp"
 #include "solver_plugin/run/explain.hpp"
-#include "tools/solve/mpi_main.hpp"
+#include "solver_plugin/run/mpi_session.hpp"
 
 namespace {
 
@@ -141,5 +141,6 @@ void run(const Request& request, cli::Tool& tool) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    return mpi_main(argc, argv, usage, run);
+    MpiSession mpi(argc, argv);
+    return mpi.end(cli::main(argc, argv, usage, run, mpi.first() ? cli::Voice::heard : cli::Voice::silent));
 }

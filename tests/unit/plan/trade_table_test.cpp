@@ -62,7 +62,7 @@ TEST(TradeTable, ThatShipsHasEveryQuantityOfItsLaws) {
             // TRILIN has no M of the phase A that objects are measured in.
             const bool known =
                 law != "trilin" || (quantity != Quantity::composite_stress && quantity != Quantity::shape_factor);
-            EXPECT_EQ(table.law.at(law).curve.contains(quantity), known) << name_of(law) << ' ' << name_of(quantity);
+            EXPECT_EQ(table.law.at(law).curve.contains(quantity), known) << law << ' ' << name_of(quantity);
         }
 }
 
