@@ -37,7 +37,8 @@ class SimulationProbe {
     std::vector<Vec3> forces_at(const std::vector<Vec3>& velocities);
 
  private:
-    Simulation::State* state_;
+    using State = Simulation::State;
+    State* state_;
 };
 
 }  // namespace tomodem::plugin
