@@ -108,8 +108,8 @@ double expected_relaxation_periods(std::int64_t particles) {
     return 40 * std::cbrt(static_cast<double>(particles) / 2000);  // its faces draw in
 }
 
-Relaxation relax(const Packing& sample, const Scene& scene, const RestLimits& limits, MPI_Comm communicator,
-                 Reporter& reporter) {
+Relaxation come_to_rest(const Packing& sample, const Scene& scene, const RestLimits& limits, MPI_Comm communicator,
+                        Reporter& reporter) {
     const StopSignals signals;
     const Meter meter(communicator);
     const Model model = compile_model(scene, sample);

@@ -56,8 +56,8 @@ struct Relaxation {
 /// for every particle, with a viscous drag.
 /// @param limits  zeros in it stand for those of default_rest_limits()
 /// @throws InvalidInput if the scene does not fit the sample, particles are lost, or a signal stops it
-Relaxation relax(const Packing& sample, const Scene& scene, const RestLimits& limits, MPI_Comm communicator,
-                 Reporter& reporter = silent_reporter());
+Relaxation come_to_rest(const Packing& sample, const Scene& scene, const RestLimits& limits, MPI_Comm communicator,
+                        Reporter& reporter = silent_reporter());
 
 struct RunResult {
     Cost cost;

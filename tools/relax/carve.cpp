@@ -11,7 +11,7 @@
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 
-namespace tomodem {
+namespace tomodem::relax {
 namespace {
 
 /// How far from an image's pore its own pore in the sample may reach, and how far particles are looked at [diameters].
@@ -71,7 +71,7 @@ Carver::Carver(const LabelVolume& volume, const Packing& sample, const CarveOpti
     if (sample.size() == 0) throw InvalidInput("the sample has no particle");
     check_place(volume, sample);
     const double diameter = 2 * seed_radius_;
-    image_ = find_pores(volume, seed_radius_, options.least_across, reach * diameter, options.threads);
+    image_ = find_pores(volume, seed_radius_, options.min_across, reach * diameter, options.threads);
     low_ = volume.origin() + Vec3::Constant(diameter);
     high_ = volume.origin() + volume.extent() - Vec3::Constant(diameter);
     Vec3 sample_low = sample.position.front(), sample_high = sample_low;
@@ -291,4 +291,4 @@ std::vector<CarveRow> rows_of(const std::vector<double>& numbers) {
     return rows;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::relax

@@ -9,12 +9,12 @@
 #include "tools/relax/pores.hpp"
 
 /// Takes particles out of a sample until its pores, at rest, are as large as those of an image: docs/relaxation.md.
-namespace tomodem {
+namespace tomodem::relax {
 
 struct CarveOptions {
     double pore_error = 0.05;   ///< of the volume of each pore that is judged [-]
     double total_error = 0.02;  ///< of the volume of all pores that are measured [-]
-    double least_across = 4;    ///< particles across a pore; smaller ones are left solid
+    double min_across = 4;      ///< particles across a pore; smaller ones are left solid
     double judged_across = 12;  ///< particles across a pore from which its own error counts
     double first_share = 0.8;   ///< of a pore's volume that is taken out at first
     int threads = 1;
@@ -99,4 +99,4 @@ std::string pore_table(const Assessment& assessment);
 std::vector<double> numbers_of(const std::vector<CarveRow>& rows);
 std::vector<CarveRow> rows_of(const std::vector<double>& numbers);
 
-}  // namespace tomodem
+}  // namespace tomodem::relax

@@ -4,9 +4,8 @@
 #include "solver_plugin/run/mpi_session.hpp"
 #include "tools/relax/carving.hpp"
 
+namespace tomodem::relax {
 namespace {
-
-using namespace tomodem;
 
 struct Request : CarveRequest {
     VolumeRequest volume_request;
@@ -14,31 +13,36 @@ struct Request : CarveRequest {
 
 cli::Usage usage(Request& request) {
     cli::Usage usage("carve", "Take particles out of a sample and relax, until its pores are as large as the image's.");
-    usage.input("sample", request.sample, "dense sample, the image's void filled (.h5: vol2pack --relabel 0=1)")
-        .input("scene", request.scene, "what the sample is made of (.toml)");
+    usage.input("SAMPLE", request.sample, "Dense sample, the void of the image filled (.h5, vol2pack --relabel 0=1).")
+        .input("SCENE", request.scene, "What the sample is made of (.toml, docs/scene.md).");
     return add_volume(usage, request.volume_request)
-        .output("carved", request.carved, "sample with its pores, at rest, to write (.h5)")
+        .output("CARVED", request.carved, "Sample with its pores, at rest, to write.", {".h5"})
         .option("--pore-error", request.pore_error, cli::Unit::percent, {0, 100, false, true},
-                "of the volume of each pore that is judged")
+                "Largest error of the volume of a single pore that is large enough for --judged-from.")
         .option("--total-error", request.total_error, cli::Unit::percent, {0, 100, false, true},
-                "of the volume of all closed pores together")
+                "Largest error of the volume of all closed pores together.")
         .option("--judged-from", request.carve.judged_across, cli::Unit::particles, cli::positive,
-                "smallest pore whose own error counts: diameter of the sphere of its volume")
-        .option("--least-pore", request.carve.least_across, cli::Unit::particles, {3, 1e6},
-                "smaller pores are left solid")
+                "Diameter from which the error of a single pore counts; of the sphere of the same volume.")
+        .option("--min-pore", request.carve.min_across, cli::Unit::particles, {3, 1e6},
+                "Diameter of the smallest pore that is carved; smaller ones are left solid.")
         .option("--first-share", request.carve.first_share, cli::Unit::fraction, {0, 1, false, true},
-                "of each pore that is taken out at first; the rest follows as it is missing")
+                "Share of the particles of each pore that is taken out in the first iteration; later ones take what is "
+                "still missing.")
         .option("--max-iterations", request.max_iterations, cli::Unit::none, {0, 1e6},
-                "then it is an error; 0 measures the sample as it is")
+                "Fail after this many iterations; 0 only measures the sample.")
         .option("--energy-ratio", request.limits.energy_ratio, cli::Unit::none, cli::positive,
-                "of each relaxation, as of 'relax'")
+                "Kinetic over elastic energy at the end of each relaxation, as of relax.")
         .option("--force-balance", request.limits.force_balance, cli::Unit::none, cli::positive,
-                "of each relaxation, as of 'relax'")
+                "Net force over the sum of forces at the end of each relaxation, as of relax.")
         .option("--max-periods", request.limits.max_periods, cli::Unit::none, cli::positive,
-                "of each relaxation, as of 'relax'")
-        .output_option("--table", request.table, "table of the iterations (.csv); default: beside the sample written")
-        .output_option("--pores", request.pores, "table of the pores at the end (.csv)")
-        .flag("--resume", request.resume, "go on from CARVED.state, which each iteration leaves until the end")
+                "Number of natural periods after which each relaxation ends, as of relax.")
+        .output_option("--table", request.table, "Table of the iterations. By default it is written beside CARVED.",
+                       {".csv"})
+        .output_option("--pores", request.pores, "Table of the pores at the end.", {".csv"})
+        .flag("--resume", request.resume,
+              "Resume from CARVED.state, which is kept after each iteration until the sample is complete.")
+        .step(cli::Step::sample)
+        .threads()
         .example("carve dense.h5 scene.toml stack/ carved.h5 --voxel-size 2.4um");
 }
 
@@ -50,8 +54,11 @@ void run(const Request& request, cli::Tool& tool) {
 }
 
 }  // namespace
+}  // namespace tomodem::relax
 
 int main(int argc, char** argv) {
+    using namespace tomodem;
     MpiSession mpi(argc, argv);
-    return mpi.end(cli::main(argc, argv, usage, run, mpi.first() ? cli::Voice::heard : cli::Voice::silent));
+    return mpi.end(
+        cli::main(argc, argv, relax::usage, relax::run, mpi.first() ? cli::Voice::heard : cli::Voice::silent));
 }

@@ -9,7 +9,7 @@
 #include "core/packing/packing_file.hpp"
 #include "solver_plugin/simulation/checkpoint.hpp"
 
-namespace tomodem {
+namespace tomodem::relax {
 namespace {
 
 std::filesystem::path with_suffix(std::filesystem::path file, const char* suffix) {
@@ -54,7 +54,7 @@ class Carving {
             provenance_.inputs[scene_.calibration_file.string()] = content_digest(scene_.calibration_file);
         inputs_ = {provenance_.version, scene_.text, ""};
         for (const auto& [name, digest] : provenance_.inputs) inputs_.digests += digest + " ";
-        inputs_.digests += fmt::format("{} {} {} {} {} {}", request.carve.least_across, request.carve.first_share,
+        inputs_.digests += fmt::format("{} {} {} {} {} {}", request.carve.min_across, request.carve.first_share,
                                        request.carve.judged_across, request.limits.energy_ratio,
                                        request.limits.force_balance, request.limits.max_periods);
         together(communicator, [&] {
@@ -206,7 +206,7 @@ class Carving {
     }
 
     void come_to_rest() {
-        Relaxation result = relax(sample_, scene_, request_.limits, communicator_, reporter_);
+        Relaxation result = tomodem::come_to_rest(sample_, scene_, request_.limits, communicator_, reporter_);
         steps_ += result.cost.steps;
         if (first_) sample_ = std::move(result.sample);
         sample_.relaxed = true;
@@ -303,4 +303,4 @@ void carve(const CarveRequest& request, const Provenance& provenance, int thread
     Carving(request, provenance, threads, communicator, reporter).run();
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::relax

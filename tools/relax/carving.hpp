@@ -10,7 +10,7 @@
 #include "solver_plugin/run/solver.hpp"
 #include "tools/relax/carve.hpp"
 
-namespace tomodem {
+namespace tomodem::relax {
 
 /// What `carve` is asked for.
 struct CarveRequest {
@@ -31,4 +31,4 @@ struct CarveRequest {
 void carve(const CarveRequest& request, const Provenance& provenance, int threads, MPI_Comm communicator,
            Reporter& reporter);
 
-}  // namespace tomodem
+}  // namespace tomodem::relax

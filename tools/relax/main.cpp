@@ -8,9 +8,8 @@
 #include "solver_plugin/run/mpi_session.hpp"
 #include "solver_plugin/run/solver.hpp"
 
+namespace tomodem::relax {
 namespace {
-
-using namespace tomodem;
 
 struct Request {
     std::filesystem::path sample, scene, relaxed;
@@ -19,15 +18,21 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage("relax", "Let a free sample come to rest under its law.")
-        .input("SAMPLE", request.sample, "sample of particles (.h5)")
-        .input("SCENE", request.scene, "what the sample is made of (.toml)")
-        .output("RELAXED", request.relaxed, "sample at rest to write (.h5)")
-        .option("--energy-ratio", request.limits.energy_ratio, cli::Unit::none, cli::positive,
-                "at rest when kinetic over elastic energy is at most this; default 1e-5, law norton 1e-3")
-        .option("--force-balance", request.limits.force_balance, cli::Unit::none, cli::positive,
-                "and the net force on a particle over the sum of its forces this; default 1e-3, law norton 1e-2")
-        .option("--max-periods", request.limits.max_periods, cli::Unit::none, cli::positive,
-                "natural periods after which it ends all the same, with a warning")
+        .input("SAMPLE", request.sample, "Sample of particles (.h5).")
+        .input("SCENE", request.scene, "What the sample is made of (.toml, docs/scene.md).")
+        .output("RELAXED", request.relaxed, "Sample at rest to write.", {".h5"})
+        .option(
+            "--energy-ratio", request.limits.energy_ratio, cli::Unit::none, cli::positive,
+            "Kinetic over elastic energy up to which the sample counts as at rest. By default that of the law: 1e-5, "
+            "norton 1e-3.")
+        .option(
+            "--force-balance", request.limits.force_balance, cli::Unit::none, cli::positive,
+            "Net force on a particle over the sum of its forces up to which the sample counts as at rest. By default "
+            "that of the law: 1e-3, norton 1e-2.")
+        .option(
+            "--max-periods", request.limits.max_periods, cli::Unit::none, cli::positive,
+            "Number of natural periods after which the relaxation ends with a warning if the sample is not at rest.")
+        .step(cli::Step::sample)
         .example("relax sample.h5 scene.toml relaxed.h5");
 }
 
@@ -65,7 +70,7 @@ void run(const Request& request, cli::Tool& tool) {
     provenance.scene = scene.text;
     if (!scene.calibration_file.empty())
         provenance.inputs[scene.calibration_file.string()] = content_digest(scene.calibration_file);
-    const Relaxation result = relax(sample, scene, request.limits, MPI_COMM_WORLD, tool);
+    const Relaxation result = come_to_rest(sample, scene, request.limits, MPI_COMM_WORLD, tool);
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     if (rank == 0) {  // where the sample is complete
@@ -87,8 +92,11 @@ void run(const Request& request, cli::Tool& tool) {
 }
 
 }  // namespace
+}  // namespace tomodem::relax
 
 int main(int argc, char** argv) {
+    using namespace tomodem;
     MpiSession mpi(argc, argv);
-    return mpi.end(cli::main(argc, argv, usage, run, mpi.first() ? cli::Voice::heard : cli::Voice::silent));
+    return mpi.end(
+        cli::main(argc, argv, relax::usage, relax::run, mpi.first() ? cli::Voice::heard : cli::Voice::silent));
 }

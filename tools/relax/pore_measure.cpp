@@ -11,7 +11,7 @@
 #include <cmath>
 #include <vector>
 
-namespace tomodem {
+namespace tomodem::relax {
 namespace {
 
 enum class CellState : unsigned char { full, empty, counted };
@@ -189,4 +189,4 @@ PoreOverlap overlap_pore(std::span<const Vec3> centres, const DistanceField& ima
     return overlap;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::relax

@@ -7,7 +7,7 @@
 #include "tools/relax/pores.hpp"
 
 /// How large a pore between particles is, measured twice: docs/relaxation.md.
-namespace tomodem {
+namespace tomodem::relax {
 
 /// The void of a pore: where a point belongs to it and not to the outside, or to another pore.
 using Belongs = std::function<bool(const Vec3&)>;
@@ -46,4 +46,4 @@ PoreOverlap overlap_pore(std::span<const Vec3> centres, const DistanceField& ima
 /// @param across  diameter of the sphere of the pore's volume, in particles
 double grid_bias(const Matter& matter, double across);
 
-}  // namespace tomodem
+}  // namespace tomodem::relax

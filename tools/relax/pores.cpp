@@ -11,7 +11,7 @@
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 
-namespace tomodem {
+namespace tomodem::relax {
 namespace {
 
 /// Between a pore and a face of the image, in particles: a thinner one opens when the sample relaxes.
@@ -218,4 +218,4 @@ ImagePores find_pores(const LabelVolume& volume, double seed_radius, double leas
     return found;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::relax

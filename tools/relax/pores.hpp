@@ -6,7 +6,7 @@
 #include "core/volume/volume.hpp"
 
 /// The pores of an image, and where a point is with respect to them.
-namespace tomodem {
+namespace tomodem::relax {
 
 /// Signed distance [mm] to the surface of a set of voxels, negative inside; in a box of voxels around it.
 class DistanceField {
@@ -57,4 +57,4 @@ struct ImagePores {
 /// @note   memory: 4 bytes a voxel of the boxes around the pores, 9 while they are made
 ImagePores find_pores(const LabelVolume& volume, double seed_radius, double least, double reach, int threads);
 
-}  // namespace tomodem
+}  // namespace tomodem::relax

@@ -26,17 +26,18 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage("solve", "Press a sample of particles as a scene says, and write its frames and curves.")
-        .input("SAMPLE", request.sample, "sample of particles (.h5), relaxed first if it is not")
-        .input("SCENE", request.scene, "what the sample is made of and what is done to it (.toml)")
-        .output("RUN", request.run, "frames and curves to write (.h5)")
+    return cli::Usage("solve", "Deform a sample of particles as a scene says, and write frames and curves.")
+        .input("SAMPLE", request.sample, "Sample of particles (.h5). It is relaxed first if that was not done before.")
+        .input("SCENE", request.scene, "What the sample is made of and how it is loaded (.toml, docs/scene.md).")
+        .output("RUN", request.run, "Frames and curves to write.", {".h5"})
         .flag("--resume", request.control.resume,
-              "go on from RUN.checkpoint, which an interrupted run has left; without one, start from the beginning")
+              "Resume an interrupted run from its RUN.checkpoint. If there is none, the run starts from the beginning.")
         .option("--checkpoint-every", request.control.checkpoint_minutes, cli::Unit::none, cli::not_negative,
-                "minutes of wall time between two checkpoints; 0: none at all")
+                "Minutes of wall time between two checkpoints; 0 writes none.")
         .flag("--explain", request.explain,
-              "check the scene and say what it switches on, how many steps it takes, and, from two seconds of it on "
-              "this machine, how long and how much memory; RUN is not written")
+              "Check the scene, and print what it switches on, the number of time steps, and the time and memory that "
+              "they will take, measured for two seconds on this machine. RUN is not written.")
+        .step(cli::Step::run)
         .example("solve relaxed.h5 scene.toml run.h5")
         .example("solve relaxed.h5 scene.toml run.h5 --explain")
         .example("solve relaxed.h5 scene.toml run.h5 --resume")
@@ -100,7 +101,7 @@ void run(const Request& request, cli::Tool& tool) {
     }
     Provenance provenance = tool.provenance();
     provenance.scene = scene.text;
-    for (const Wall& wall : scene.walls)  // one that is not there is told with its line, later
+    for (const Wall& wall : scene.walls)  // one that does not exist is refused later, with its line
         if (std::filesystem::exists(wall.surface))
             provenance.inputs[wall.surface.string()] = content_digest(wall.surface);
     if (!scene.calibration_file.empty())

@@ -128,7 +128,7 @@ assert (one["position/value"][()] == two["position/value"][()]).all()'
     refused 1 "the volume and the sample do not lie over each other" \
         carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --roi 0:72,0:72,0:40 --quiet
     refused 1 "are too small for these particles" \
-        carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --least-pore 20 --quiet
+        carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --min-pore 20 --quiet
     refused 1 "every pore of the volume meets one of its faces" \
         carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --relabel 1=0,0=1 --quiet
     [ ! -e out.h5 ] && [ ! -e out.csv ] && [ ! -e out.h5.state ]

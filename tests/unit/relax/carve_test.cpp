@@ -8,7 +8,7 @@
 #include "tests/unit/relax/images.hpp"
 #include "tools/packgen/compaction.hpp"
 
-namespace tomodem {
+namespace tomodem::relax {
 namespace {
 
 using testing::HasSubstr;
@@ -126,4 +126,4 @@ TEST_F(Carve, KeepsItsRowsAsNumbers) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::relax

@@ -4,7 +4,7 @@
 
 #include "core/volume/volume.hpp"
 
-namespace tomodem {
+namespace tomodem::relax {
 
 /// A volume of label 1 with void (0) where `is_void` says so of a voxel's centre.
 inline LabelVolume image_of(VoxelIndex size, const Vec3& spacing, const Vec3& origin,
@@ -21,4 +21,4 @@ inline LabelVolume image_of(VoxelIndex size, const Vec3& spacing, const Vec3& or
     return image;
 }
 
-}  // namespace tomodem
+}  // namespace tomodem::relax

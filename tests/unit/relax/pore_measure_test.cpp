@@ -9,7 +9,7 @@
 #include "tests/unit/relax/images.hpp"
 #include "tools/packgen/compaction.hpp"
 
-namespace tomodem {
+namespace tomodem::relax {
 namespace {
 
 constexpr double seed_radius = 0.5;
@@ -124,4 +124,4 @@ TEST(PoreMeasure, SaysThatAPoreLeaksIntoItsNeighbour) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::relax

@@ -9,7 +9,7 @@
 #include "core/base/error.hpp"
 #include "tests/unit/relax/images.hpp"
 
-namespace tomodem {
+namespace tomodem::relax {
 namespace {
 
 using testing::HasSubstr;
@@ -86,4 +86,4 @@ TEST(FindPores, RefusesPoresThatNoParticleShows) {
 }
 
 }  // namespace
-}  // namespace tomodem
+}  // namespace tomodem::relax

@@ -51,7 +51,8 @@ class Solve : public InTemporaryFolder {};
 TEST(Relax, KeepsEveryParticleAndItsOrder) {
     Packing sample = block(6);
     for (std::size_t i = 0; i < sample.size(); ++i) sample.radius.push_back(0.49 + 0.01 * static_cast<double>(i % 3));
-    const Relaxation result = relax(sample, scene("steps = [ { strain = -0.1, rate = 1e-3 } ]"), {}, MPI_COMM_WORLD);
+    const Relaxation result =
+        come_to_rest(sample, scene("steps = [ { strain = -0.1, rate = 1e-3 } ]"), {}, MPI_COMM_WORLD);
     ASSERT_EQ(result.sample.size(), sample.size());
     EXPECT_TRUE(result.sample.relaxed);
     EXPECT_EQ(result.sample.id, sample.id);
@@ -63,13 +64,13 @@ TEST(Relax, KeepsEveryParticleAndItsOrder) {
 TEST(Relax, EndsWithinItsLimitsAndThenNothingMovesAnyMore) {
     const Packing sample = packgen::compact({.particles = 400, .density = 0.7}).packing;
     const Scene press = scene("steps = [ { strain = -0.1, rate = 1e-3 } ]");
-    const Relaxation first = relax(sample, press, {}, MPI_COMM_WORLD);
+    const Relaxation first = come_to_rest(sample, press, {}, MPI_COMM_WORLD);
     EXPECT_TRUE(first.at_rest);
     EXPECT_LE(first.energy_ratio, 1e-5);
     EXPECT_LE(first.force_balance, 1e-3);
     EXPECT_GT(first.periods, 5);
     EXPECT_GT(first.largest_displacement, 0.1);
-    const Relaxation again = relax(first.sample, press, {}, MPI_COMM_WORLD);
+    const Relaxation again = come_to_rest(first.sample, press, {}, MPI_COMM_WORLD);
     EXPECT_LT(again.largest_displacement, 0.1 * first.largest_displacement);
 }
 
@@ -93,7 +94,7 @@ TEST(Relax, EndsAtItsCapAndSaysThatItIsNotAtRest) {
     const Packing sample = packgen::compact({.particles = 400, .density = 0.7}).packing;
     const Scene press = scene("steps = [ { strain = -0.1, rate = 1e-3 } ]");
     Warnings reporter;
-    const Relaxation result = relax(sample, press, {.max_periods = 2}, MPI_COMM_WORLD, reporter);
+    const Relaxation result = come_to_rest(sample, press, {.max_periods = 2}, MPI_COMM_WORLD, reporter);
     EXPECT_THAT(reporter.text, testing::HasSubstr("not at rest after 2 natural periods"));
     EXPECT_FALSE(result.at_rest);
     EXPECT_NEAR(result.periods, 2, 0.2);

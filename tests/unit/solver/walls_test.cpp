@@ -135,7 +135,8 @@ class SolveWithWalls : public InTemporaryFolder {
     Packing relaxed_sample() const {
         const Scene scene =
             parse_scene(std::string(phase) + "[load]\nsteps = [ { strain = -0.1, rate = 1e-3 } ]", "test");
-        return relax(packgen::compact({.particles = 300, .density = 0.7}).packing, scene, {}, MPI_COMM_WORLD).sample;
+        return come_to_rest(packgen::compact({.particles = 300, .density = 0.7}).packing, scene, {}, MPI_COMM_WORLD)
+            .sample;
     }
     Scene scene(const std::string& text) const { return parse_scene(text, (folder / "scene.toml").string()); }
 };
