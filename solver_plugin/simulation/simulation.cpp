@@ -226,7 +226,8 @@ void Simulation::run(std::int64_t steps, const Watch& watch) {
     s.set_up_if_needed();
     // While the sample comes to rest between planes that stand still, the sides do too.
     if (s.loading && s.sides != nullptr && s.model.lateral == Lateral::periodic) s.steer_sides();
-    if (!s.relaxing) s.harden(static_cast<double>(step() + steps / 2 - s.loading_start) * s.model.time_step);
+    const std::int64_t middle = step() + steps / 2 - s.loading_start;
+    if (!s.relaxing) s.harden(static_cast<double>(middle) * s.model.time_step);
     s.watch->call(watch);
     constexpr std::int64_t most = 1'000'000'000;  // LIGGGHTS counts the steps of one run in an int
     for (std::int64_t left = steps; left > 0; left -= most)

@@ -188,8 +188,9 @@ TEST(Compare, PoresOfBothAreMeasuredOnTheSameVoxels) {
     std::vector<std::int32_t> slice;
     for (int k = 0; k < 60; ++k) {
         volume.slice(k, slice);
-        for (int i = 0; i < 3600; ++i)
-            if (ball_at(edge / 60 * Vec3(i % 60 + 0.5, i / 60 + 0.5, k + 0.5)) == 1) slice[i] = 0;
+        for (int j = 0; j < 60; ++j)
+            for (int i = 0; i < 60; ++i)
+                if (ball_at(edge / 60 * Vec3(i + 0.5, j + 0.5, k + 0.5)) == 1) slice[60 * j + i] = 0;
         volume.set_slice(k, slice);
     }
     const Compared porous = compared(solid, std::move(volume));
