@@ -13,6 +13,7 @@
 #include "tools/relax/pore_measure.hpp"
 
 using namespace tomodem;
+using namespace tomodem::relax;
 
 int main(int argc, char** argv) {
     const std::int64_t count = argc > 1 ? std::atoll(argv[1]) : 20000;
