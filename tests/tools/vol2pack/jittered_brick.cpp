@@ -15,7 +15,7 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     cli::Usage usage("jittered_brick", "Periodic packing to test with.");
-    usage.output("brick", request.brick, "packing to write")
+    usage.output("BRICK", request.brick, "packing to write")
         .option("--edge", request.edge, cli::Unit::particles, cli::positive, "particles along an edge");
     return usage;
 }
