@@ -15,7 +15,7 @@ double BilinFlow::at(double value) const {
         throw InvalidInput(
             fmt::format("rate * t0^2 / time_step = {:g} is above {:g}, where the table of BILIN ends (above {:g} the "
                         "packing collapses); use a lower rate or a shorter natural period",
-                        value, chi.back(), greatest_chi));
+                        value, chi.back(), max_chi));
     const auto right = std::lower_bound(chi.begin(), chi.end(), value) - chi.begin();
     const auto left = right - 1;
     const double share = std::log(value / chi[left]) / std::log(chi[right] / chi[left]);
@@ -27,11 +27,11 @@ double BilinFlow::sensitivity(double value) const {
 }
 
 double BilinFlow::chi_for(double rate_sensitivity) const {
-    if (rate_sensitivity > greatest_sensitivity)
+    if (rate_sensitivity > max_sensitivity)
         throw InvalidInput(
             fmt::format("a rate sensitivity M = {:g} is out of reach of law \"bilin\", which holds up to {:g}; law "
                         "\"norton\" can, for any M up to 1",
-                        rate_sensitivity, greatest_sensitivity));
+                        rate_sensitivity, max_sensitivity));
     const double plateau = 2 * chi.front();
     const double steepest = *std::max_element(chi.begin(), chi.end(),
                                               [this](double a, double b) { return sensitivity(a) < sensitivity(b); });

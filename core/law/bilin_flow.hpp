@@ -5,16 +5,16 @@
 namespace tomodem::law {
 
 /// Above, the packing collapses.
-inline constexpr double greatest_chi = 41;
+inline constexpr double max_chi = 41;
 
 /// A natural period shorter than this many time steps loses particles or falsifies the stress (method: stability).
-inline constexpr double least_steps_per_period = 20.0;
+inline constexpr double min_steps_per_period = 20.0;
 
 /// The master curve g(chi), from a table of measured values (docs/calibration.md).
 struct BilinFlow {
-    std::vector<double> chi;          ///< two or more, increasing
-    std::vector<double> flow;         ///< g [-], as many, above 0
-    double greatest_sensitivity = 0;  ///< M up to which the steepest decade is taken for it
+    std::vector<double> chi;     ///< two or more, increasing
+    std::vector<double> flow;    ///< g [-], as many, above 0
+    double max_sensitivity = 0;  ///< M up to which the steepest decade is taken for it
 
     /// g(chi), straight between the values in a log-log plot, constant below the first.
     /// @throws InvalidInput above the last
@@ -24,7 +24,7 @@ struct BilinFlow {
     double sensitivity(double chi) const;
 
     /// The chi whose sensitivity is M. On the plateau (M below that of twice the lowest chi) it is 0: any small chi
-    /// serves. Values between that of the steepest decade and the greatest sensitivity are given the steepest decade.
+    /// serves. Values between that of the steepest decade and the largest sensitivity are given the steepest decade.
     /// @throws InvalidInput for a larger M, naming the law that can
     double chi_for(double rate_sensitivity) const;
 };

@@ -33,7 +33,7 @@ struct NortonMaterial {
 
 struct Norton {
     double seed_diameter = 1;  ///< d [mm]
-    double least_rate = 0;     ///< [1/s]: the viscosity does not grow below it
+    double min_rate = 0;       ///< [1/s]: the viscosity does not grow below it
     double flow_rate = 0;      ///< [1/s] of the load
     bool at_rest = false;      ///< while a sample comes to rest the viscosity is that of flow_rate everywhere
     std::vector<NortonMaterial> materials;  ///< by type, from 0
@@ -60,7 +60,7 @@ struct NortonState {
 };
 
 /// From the sums of a particle: velocity gradient (sum v r) A^-1, its symmetric part D, the equivalent rate
-/// gamma = sqrt(2/3 D':D' + least_rate^2), eta = K gamma^(M-1), sigma = 2/3 eta D' + bulk, and the pressure of the
+/// gamma = sqrt(2/3 D':D' + min_rate^2), eta = K gamma^(M-1), sigma = 2/3 eta D' + bulk, and the pressure of the
 /// density.
 NortonState norton_state(const Norton& law, const NortonMaterial& material, const NortonSums& sums);
 

@@ -53,7 +53,7 @@ template <class Real, class Raise, class Root>
         const Real deviation = gradient[c][c] - growth / 3.0;
         squares += deviation * deviation + 0.5 * state.off[c] * state.off[c];
     }
-    Real squared_rate = 2.0 / 3.0 * squares + law.least_rate * law.least_rate;
+    Real squared_rate = 2.0 / 3.0 * squares + law.min_rate * law.min_rate;
     if (law.at_rest) squared_rate = squared_rate * 0.0 + law.flow_rate * law.flow_rate;
     const Real exponent = 0.5 * (material.rate_sensitivity - 1.0);
     raise(squared_rate, exponent);

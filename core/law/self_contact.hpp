@@ -5,7 +5,7 @@ namespace tomodem::law {
 
 /// Thresholds of self-contact (thesis section 15.1): when a new pair is the contact of two surfaces of one object.
 struct SelfContact {
-    double least_outward;                             ///< N_mag: an outward vector this long marks a free surface [mm]
+    double min_outward;                               ///< N_mag: an outward vector this long marks a free surface [mm]
     double cos_line = 0.17364817766693033;            ///< cos 80 deg, between an outward vector and the pair's line
     double cos_outward = 0.42261826174069944;         ///< cos 65 deg, between the two outward vectors
     static constexpr double outward_over_seed = 4.6;  ///< N_mag / r_s: 2.3 mm at r_s = 0.5 mm
@@ -22,8 +22,8 @@ inline bool is_interface(const SelfContact& law, const double* outward_i, const 
     const double length_i = std::sqrt(dot(outward_i, outward_i)), length_j = std::sqrt(dot(outward_j, outward_j));
     const double length = std::sqrt(dot(line, line));
     if (dot(outward_i, outward_j) > law.cos_outward * (length_i * length_j)) return false;
-    const bool i_faces = length_i >= law.least_outward && dot(outward_i, line) >= law.cos_line * (length_i * length);
-    const bool j_faces = length_j >= law.least_outward && -dot(outward_j, line) >= law.cos_line * (length_j * length);
+    const bool i_faces = length_i >= law.min_outward && dot(outward_i, line) >= law.cos_line * (length_i * length);
+    const bool j_faces = length_j >= law.min_outward && -dot(outward_j, line) >= law.cos_line * (length_j * length);
     return i_faces || j_faces;
 }
 

@@ -12,7 +12,7 @@ inline constexpr double trilin_stiffness_ratio = 3.0;  ///< k_rep / k_att
 inline constexpr double trilin_attraction = 0.141;
 
 /// rate t0 up to which the flow stress is K rate^M; at 0.2 the planes differ by 20 %, at 0.5 the packing bounces off.
-inline constexpr double trilin_greatest_rate = 0.1;
+inline constexpr double trilin_max_rate = 0.1;
 
 /// A measured flow stress over k_rep / (2 r_s): flow (rate t0)^sensitivity (docs/calibration.md).
 struct TrilinFlow {

@@ -33,7 +33,7 @@ struct CalibrationWindow {
     double size_error(double count) const;
 };
 
-/// Errors of TRILIN and NORTON: the greatest deviation from the law fitted, and twice the spread over packings.
+/// Errors of TRILIN and NORTON: the largest deviation from the law fitted, and twice the spread over packings.
 struct DirectedErrors {
     std::optional<double> compression, tension;  ///< none: not measured
 };

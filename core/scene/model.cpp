@@ -69,7 +69,7 @@ Model compile_model(const Scene& scene, const Packing& sample) {
                             scene.path.string(), phase.line, phase.name, phase.label));
         if (phase.objects && sample.object.empty())
             throw InvalidInput(fmt::format(
-                "scene '{}' line {}: [phase.{}] has objects = true but the sample does not tell objects apart; "
+                "scene '{}' line {}: [phase.{}] has objects = true but the sample does not distinguish objects; "
                 "make it with vol2pack --objects {}",
                 scene.path.string(), phase.line, phase.name, phase.label));
     }
@@ -85,8 +85,8 @@ Model compile_model(const Scene& scene, const Packing& sample) {
     model.between_objects = scene.between_objects;
     if (model.between_objects && sample.object.empty())
         throw InvalidInput(
-            fmt::format("scene '{}': between_objects = true in [contact] but the sample does not tell "
-                        "objects apart; make it with vol2pack --objects LABEL",
+            fmt::format("scene '{}': between_objects = true in [contact] but the sample does not distinguish "
+                        "objects; make it with vol2pack --objects LABEL",
                         scene.path.string()));
     model.lateral = scene.lateral;
     if (model.lateral != Lateral::free) check_lateral_sides(scene, sample);

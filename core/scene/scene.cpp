@@ -22,7 +22,7 @@ std::string scene_called(const std::string& file) {
 }
 
 /// Radii of a normal distribution, cut at three standard deviations: beyond this the smallest would vanish.
-constexpr double greatest_dispersion = 0.3;
+constexpr double max_dispersion = 0.3;
 
 Norton read_norton(TomlReader reader) {
     Norton norton;
@@ -397,9 +397,9 @@ Scene parse_scene(const std::string& text, const std::string& name) {
         reader.fail(*reader.find("crown_radius"), "crown_radius must be larger than seed_radius");
     if (const toml::node* node = reader.find("radius_dispersion")) {
         scene.radius_dispersion = reader.quantity(*node, "radius_dispersion");
-        if (!(scene.radius_dispersion >= 0 && scene.radius_dispersion <= greatest_dispersion))
+        if (!(scene.radius_dispersion >= 0 && scene.radius_dispersion <= max_dispersion))
             reader.fail(*node, fmt::format("radius_dispersion is {:g}: expected 0 to {:g}", scene.radius_dispersion,
-                                           greatest_dispersion));
+                                           max_dispersion));
     }
 
     const toml::node& phases = reader.get("phase");

@@ -51,7 +51,7 @@ struct Phase {
     double stiffness_ratio = 10.0;              ///< k_rep / k_att [-]
     LawNumbers law_numbers;                     ///< of [phase.NAME]
     std::optional<Hardening> hardening;
-    bool objects = false;   ///< the sample must tell the connected components apart
+    bool objects = false;   ///< the sample must distinguish the connected components
     std::int64_t line = 0;  ///< in the scene file, for errors
 };
 
@@ -63,7 +63,7 @@ struct LoadStep {
     std::int64_t line = 0;
 };
 
-/// Smooth start of a flow: the rate rises over `strain`, and the particles are taken along (docs/method.md).
+/// Smooth start of a flow: the rate rises over `strain`, and the particles are accelerated with it (docs/method.md).
 struct Initiation {
     double strain = 0.0;
     bool affine = true;  ///< the particles are accelerated with the flow, not by the planes alone

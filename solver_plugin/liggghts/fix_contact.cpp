@@ -22,7 +22,7 @@ FixContact::FixContact(LAMMPS* lmp, int count, char** words) : Fix(lmp, count, w
         const double number = std::strtod(value.c_str(), &end);
         const bool positive = !value.empty() && *end == '\0' && number > 0;
         if (key == "seed_radius" && positive)
-            memory_.set_law({.least_outward = law::SelfContact::outward_over_seed * number});
+            memory_.set_law({.min_outward = law::SelfContact::outward_over_seed * number});
         else if (key == "healing_steps" && positive)
             heal_after(std::llround(number));
         else

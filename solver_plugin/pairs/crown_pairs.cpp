@@ -56,7 +56,7 @@ void CrownPairs::pair_forces(const ParticleView& particles, const NeighbourView&
         }
         if (squared > law.crown_distance * law.crown_distance) return;
         if (!particles.same_object(i, j) || (memory != nullptr && memory->is_interface(i, particles.id[j])))
-            law.greatest_attraction = 0;
+            law.max_attraction = 0;
         const double distance = std::sqrt(squared);
         const double over_distance = law::pair_force(law, distance, rate) / distance;
         const double force[3] = {over_distance * apart[0], over_distance * apart[1], over_distance * apart[2]};

@@ -19,7 +19,7 @@ constexpr int lanes = PairBlock::lanes;
 constexpr std::size_t prefetch_distance = 8;
 
 /// Least square of a distance, in seeds: keeps the filling pairs finite.
-constexpr double least_squared = 1e-20;
+constexpr double min_squared = 1e-20;
 
 /// {b, c, a, d} of {a, b, c, d}
 TOMODEM_AVX2 inline __m256d turned(__m256d vector) {
@@ -50,13 +50,12 @@ struct Four {
             squares[k] = _mm256_mul_pd(apart[k], apart[k]);
         }
         squared = _mm256_max_pd(sums(squares[0], squares[1], squares[2], squares[3]),
-                                _mm256_set1_pd(least_squared * diameter * diameter));
+                                _mm256_set1_pd(min_squared * diameter * diameter));
     }
 
     /// Pairs in the crown; not those that fill the block up.
     TOMODEM_AVX2 __m256d inside(double reach, double diameter) const {
-        const __m256d real =
-            _mm256_cmp_pd(squared, _mm256_set1_pd(2 * least_squared * diameter * diameter), _CMP_GT_OQ);
+        const __m256d real = _mm256_cmp_pd(squared, _mm256_set1_pd(2 * min_squared * diameter * diameter), _CMP_GT_OQ);
         return _mm256_and_pd(real, _mm256_cmp_pd(squared, _mm256_set1_pd(reach * reach), _CMP_LE_OQ));
     }
 };

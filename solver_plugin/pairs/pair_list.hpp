@@ -47,7 +47,7 @@ class PairList {
 
     /// Where a particle was listed, 3 each; single precision is allowed for in the reach.
     const float* listed_at() const { return listed_at_.data(); }
-    /// Whether objects are told apart.
+    /// Whether objects are distinguished.
     bool by_object() const { return by_object_; }
     PairBlock* begin() { return blocks_.data(); }
     PairBlock* end() { return blocks_.data() + count_; }

@@ -48,7 +48,7 @@ void scalar_pairs(const PairLaws& laws, const ParticleView& particles, const Nei
                     }
             }
             if (!inside) continue;
-            if (interface || !same_object) law.greatest_attraction = 0;
+            if (interface || !same_object) law.max_attraction = 0;
             const double distance = std::sqrt(squared);
             const double over_distance = law::pair_force(law, distance, rate) / distance;
             double force[3];

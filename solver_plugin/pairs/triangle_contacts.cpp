@@ -126,13 +126,13 @@ void TriangleTree::contacts(const std::vector<int>& candidates, const Vec3& cent
     std::sort(feet_.begin(), feet_.end(), [](const Foot& a, const Foot& b) {
         return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
     });
-    std::array<Vec3, 16> taken;
+    std::array<Vec3, 16> feet;
     for (const Foot& foot : feet_) {
-        if (contacts.size() == taken.size()) break;
-        const bool known = std::any_of(taken.begin(), taken.begin() + contacts.size(),
+        if (contacts.size() == feet.size()) break;
+        const bool known = std::any_of(feet.begin(), feet.begin() + contacts.size(),
                                        [&](const Vec3& point) { return (point - foot.point).norm() <= touch_; });
         if (known || !is_minimum(foot, feet_, centre)) continue;
-        taken[contacts.size()] = foot.point;
+        feet[contacts.size()] = foot.point;
         if (foot.distance > 0) {
             contacts.push_back({(centre - foot.point) / foot.distance, foot.distance});
         } else {

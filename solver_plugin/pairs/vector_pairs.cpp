@@ -34,9 +34,9 @@ void VectorPairs::set_laws(const PairLaws& laws, double inner_skin) {
     for (const bool same_object : {true, false})
         for (const law::Pair& law : laws.of_types) {
             constants_.push_back({law.seed_distance, law.crown_distance * law.crown_distance, law.repulsive_stiffness,
-                                  same_object ? law.attractive_stiffness : 0.0, -law.greatest_attraction, same_object});
+                                  same_object ? law.attractive_stiffness : 0.0, -law.max_attraction, same_object});
             crown_.push_back(law.crown_distance);
-            bounded_ = bounded_ || std::isfinite(law.greatest_attraction);
+            bounded_ = bounded_ || std::isfinite(law.max_attraction);
         }
 }
 
@@ -46,16 +46,16 @@ TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const Pair
     constexpr bool several_laws = features & 1, bounded = features & 2, dispersed = features & 4;
     constexpr bool remembers = features & 8;
     const __m256d one = _mm256_set1_pd(1), zero = _mm256_setzero_pd();
-    const __m256d least_squared = _mm256_set1_pd(1e-30);  // keeps the filling pairs finite
+    const __m256d min_squared = _mm256_set1_pd(1e-30);  // keeps the filling pairs finite
     const __m256d seed_to_crown = _mm256_set1_pd(seed_to_crown_);
-    __m256d seed, crown_squared, repulsive, attractive, least_force;
+    __m256d seed, crown_squared, repulsive, attractive, min_force;
     bool same_object = true;
     const auto use = [&](const PairConstants& constants) TOMODEM_AVX2 {
         seed = _mm256_set1_pd(constants.seed_distance);
         crown_squared = _mm256_set1_pd(constants.crown_squared);
         repulsive = _mm256_set1_pd(constants.repulsive_stiffness);
         attractive = _mm256_set1_pd(constants.attractive_stiffness);
-        least_force = _mm256_set1_pd(constants.least_force);
+        min_force = _mm256_set1_pd(constants.min_force);
         same_object = constants.same_object;
     };
     use(constants_[0]);
@@ -83,7 +83,7 @@ TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const Pair
             squares[k] = _mm256_mul_pd(apart[k], apart[k]);
             approach[k] = _mm256_mul_pd(apart[k], _mm256_sub_pd(moving, _mm256_load_pd(other.velocity)));
         }
-        const __m256d squared = _mm256_max_pd(sums(squares[0], squares[1], squares[2], squares[3]), least_squared);
+        const __m256d squared = _mm256_max_pd(sums(squares[0], squares[1], squares[2], squares[3]), min_squared);
         const __m256d rate = sums(approach[0], approach[1], approach[2], approach[3]);  // times the distance
         if constexpr (dispersed) {
             const __m256d others =
@@ -120,7 +120,7 @@ TOMODEM_AVX2 void VectorPairs::compute(const ParticleView& particles, const Pair
         const __m256d closeness = _mm256_fmsub_pd(seed, inverse, one);
         const __m256d pulls = _mm256_and_pd(_mm256_cmp_pd(rate, zero, _CMP_GT_OQ), internal);
         __m256d attraction = _mm256_mul_pd(attractive, closeness);
-        if constexpr (bounded) attraction = _mm256_max_pd(attraction, _mm256_mul_pd(least_force, inverse));
+        if constexpr (bounded) attraction = _mm256_max_pd(attraction, _mm256_mul_pd(min_force, inverse));
         attraction = _mm256_and_pd(pulls, attraction);
         const __m256d over_distance = _mm256_blendv_pd(_mm256_mul_pd(repulsive, closeness), attraction, closeness);
         alignas(32) double each[lanes];

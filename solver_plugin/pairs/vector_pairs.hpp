@@ -42,7 +42,7 @@ class VectorPairs {
  private:
     using Row = PackedParticles::Row;
     struct PairConstants {
-        double seed_distance, crown_squared, repulsive_stiffness, attractive_stiffness, least_force;
+        double seed_distance, crown_squared, repulsive_stiffness, attractive_stiffness, min_force;
         bool same_object;
     };
 

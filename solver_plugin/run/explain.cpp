@@ -82,7 +82,7 @@ Explanation explain(const Packing& sample, const Scene& scene, MPI_Comm communic
 
     plugin::Simulation simulation(sample, model, scene.axis, communicator);
     if (!scene.steps.empty()) simulation.place_planes();
-    place_walls(simulation, scene, Room::checked);
+    place_walls(simulation, scene, WallsInside::refused);
     simulation.set_loading(path.front());
     simulation.run(0);
     const double set_up = meter.cost(0, 0).wall_seconds;

@@ -46,7 +46,8 @@ void refuse_runaway(const Simulation& simulation, double kinetic_energy, const M
         throw InvalidInput(fmt::format("{} particles were lost {} (step {}); take a smaller strain_per_step", lost,
                                        when, simulation.step()));
     // A soft phase can fly apart with less than what a stiff one has at rest.
-    const double energy = std::max(reduced_energy(simulation, kinetic_energy, model), simulation.hottest_phase());
+    const double energy =
+        std::max(reduced_energy(simulation, kinetic_energy, model), simulation.max_kinetic_energy_of_a_phase());
     if (!(energy < runaway_energy))
         throw InvalidInput(fmt::format(
             "the packing falls apart {} (step {}): its kinetic energy is {:.2g} N k_rep r_s^2, above {:g}; take a "

@@ -9,7 +9,7 @@
 
 namespace tomodem {
 
-void place_walls(plugin::Simulation& simulation, const Scene& scene, Room room) {
+void place_walls(plugin::Simulation& simulation, const Scene& scene, WallsInside inside_sample) {
     for (const Wall& wall : scene.walls) {
         const auto refuse = [&](const std::string& what) {
             throw InvalidInput(
@@ -18,7 +18,8 @@ void place_walls(plugin::Simulation& simulation, const Scene& scene, Room room) 
         try {
             TriangleMesh mesh = read_mesh(wall.surface);
             for (Vec3& vertex : mesh.vertices) vertex *= wall.unit;
-            if (const std::int64_t inside = simulation.place_wall(mesh, wall); inside > 0 && room == Room::checked)
+            if (const std::int64_t inside = simulation.place_wall(mesh, wall);
+                inside > 0 && inside_sample == WallsInside::refused)
                 refuse(
                     fmt::format("its surface stands inside the sample: {} particles are nearer than half a seed "
                                 "radius; move it, or check its unit",

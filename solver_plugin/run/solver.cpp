@@ -117,7 +117,7 @@ class Pressing {
             }
         } catch (const Stopped& stop) {
             const std::string reason = fmt::format("stopped by {} {}", StopSignals::name(stop.signal), where());
-            throw InvalidInput(reason + (rescue() ? fmt::format("; --resume goes on from the checkpoint '{}'",
+            throw InvalidInput(reason + (rescue() ? fmt::format("; --resume continues from the checkpoint '{}'",
                                                                 checkpoint_file_.string())
                                                   : "; there is no checkpoint, nothing is kept"));
         } catch (const InvalidInput& error) {
@@ -149,8 +149,9 @@ class Pressing {
                 reporter_.note(
                     fmt::format("there is no checkpoint '{}': starting from the beginning", checkpoint_file_.string()));
             else if (std::filesystem::remove(checkpoint_file_, ignored))
-                reporter_.note(fmt::format("starting anew: the checkpoint '{}' is removed (--resume goes on from one)",
-                                           checkpoint_file_.string()));
+                reporter_.note(
+                    fmt::format("starting again: the checkpoint '{}' is removed (--resume continues from one)",
+                                checkpoint_file_.string()));
             output_.emplace(run_file_, partial_);
         });
         try {
@@ -161,7 +162,7 @@ class Pressing {
                 simulation().end_relaxation();
             }
             if (!scene_.steps.empty()) simulation().place_planes();
-            place_walls(simulation(), scene_, Room::checked);
+            place_walls(simulation(), scene_, WallsInside::refused);
             if (model_.law->traits().planes_pull) {
                 rest_inside(simulation(), model_, seating_periods, watch, reporter_);
                 simulation().end_relaxation();
@@ -200,7 +201,7 @@ class Pressing {
         together(communicator_, [&] {
             if (!std::filesystem::exists(partial_))
                 throw InvalidInput(
-                    fmt::format("cannot go on from '{}': the frames and curves before it, '{}', are not there; start "
+                    fmt::format("cannot resume from '{}': the frames and curves before it, '{}', are not there; start "
                                 "anew without --resume",
                                 checkpoint_file_.string(), partial_.string()));
             if (!first_) return;
@@ -210,7 +211,7 @@ class Pressing {
         kept_ = true;
         sample_.reset();
         simulation().restore(found);
-        place_walls(simulation(), scene_, Room::taken);
+        place_walls(simulation(), scene_, WallsInside::allowed);
         next_ = static_cast<std::size_t>(checkpoint.number("next_point"));
         start_ = static_cast<std::int64_t>(checkpoint.number("first_step"));
         frames_ = static_cast<std::size_t>(checkpoint.number("frames"));
@@ -227,7 +228,7 @@ class Pressing {
             simulation().continue_loading(segments_[segment], segment_start(segment));
         }
         open();
-        reporter_.note(fmt::format("going on {}{}", where(),
+        reporter_.note(fmt::format("resuming {}{}", where(),
                                    found.same_processes
                                        ? ""
                                        : "; on another number of processes the result is the same in the "
@@ -302,7 +303,7 @@ class Pressing {
         if (scene_.write_velocity) write(velocity_field, simulation().velocity_rows());
         if (scene_.self_contact) write(outward_field, simulation().outward_rows());
         if (scene_.write_stress) {
-            if (samples_ == 0) {  // at rest: no rates, from which the laws tell attraction from none
+            if (samples_ == 0) {  // at rest: no rates, without which the laws have no attraction
                 sums_ = {positions.first, stress_field.components, {}};
                 sums_.values.assign(2 * positions.values.size(), std::numeric_limits<double>::quiet_NaN());
             } else {
@@ -327,7 +328,7 @@ class Pressing {
         });
     }
 
-    /// The moment that a resumed run goes on from: this one, too, goes on as if it were resumed.
+    /// The moment that a resumed run starts from: this run, too, continues as if it were resumed.
     void take_snapshot() {
         simulation().rest();
         if (control_.checkpoint_minutes <= 0) return;

@@ -72,7 +72,7 @@ struct RunResult {
 
 /// How a run is protected against its end: docs/running.md.
 struct RunControl {
-    bool resume = false;             ///< go on from RUN.checkpoint where there is one
+    bool resume = false;             ///< resume from RUN.checkpoint where there is one
     double checkpoint_minutes = 10;  ///< of wall time between two checkpoints; 0: none, nor at signals
 };
 
@@ -81,11 +81,11 @@ struct RunControl {
 /// Curves have a point every tenth of averaging_strain; each force is a mean over the last averaging_strain.
 /// The true stress uses A = A0 H0 / H with A0 the section of the sample's box (docs/method.md).
 ///
-/// While it runs, the run is in RUN.partial, readable at any moment, and RUN.checkpoint is what a later process goes on
+/// While it runs, the run is in RUN.partial, readable at any moment, and RUN.checkpoint is what a later process resumes
 /// from: written from time to time, when SIGTERM, SIGINT or SIGUSR1 stops the run, and when a guard does.
 ///
 /// @throws InvalidInput if the scene does not fit the sample, particles are lost, or the packing heats up and falls
-/// apart; if a signal stops it; if the checkpoint to go on from belongs to other inputs
+/// apart; if a signal stops it; if the checkpoint to resume from belongs to other inputs
 /// @param sample  given away: its memory is free once the solver has the particles
 RunResult solve(Packing sample, const Scene& scene, const std::filesystem::path& run_file, const Provenance& provenance,
                 MPI_Comm communicator, const RunControl& control = {}, Reporter& reporter = silent_reporter());

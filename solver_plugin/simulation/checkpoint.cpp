@@ -70,7 +70,7 @@ void require_same(const Hdf5Reader& reader, const std::string& what, const std::
                                : what == "scene" ? std::string("another scene")
                                                  : std::string("another sample or wall");
     throw InvalidInput(
-        fmt::format("cannot go on from '{}': it was made with {}; use the same again, or start anew without --resume",
+        fmt::format("cannot resume from '{}': it was made with {}; use the same again, or start again without --resume",
                     path.string(), change));
 }
 

@@ -9,7 +9,7 @@
 
 #include "core/base/error.hpp"
 
-/// What an interrupted run needs to go on bit by bit: docs/running.md.
+/// What an interrupted run needs to resume bit by bit: docs/running.md.
 namespace tomodem {
 
 /// The particles of one process at a moment, in the order in which the solver holds them, in the solver's lengths.
@@ -36,7 +36,7 @@ struct Checkpoint {
     double number(const std::string& name) const { return numbers.at(name).at(0); }
 };
 
-/// What must be the same when a run is gone on with.
+/// Inputs that must match to resume a run.
 struct Inputs {
     std::string version, scene, digests;
 };

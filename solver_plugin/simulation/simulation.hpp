@@ -83,7 +83,7 @@ class Simulation {
     /// Present area between periodic sides [mm^2], in the sample's own lengths; nothing when the sides are free.
     std::optional<double> periodic_section() const;
     /// Greatest over the phases of kinetic energy over N k_rep r_s^2, each with its own particles and stiffness.
-    double hottest_phase() const;
+    double max_kinetic_energy_of_a_phase() const;
     double initial_height() const;  ///< H0 [mm] of the sample's own lengths
     std::int64_t particles() const;
     std::int64_t initial_particles() const;  ///< of the sample

@@ -172,7 +172,7 @@ std::optional<double> Simulation::periodic_section() const {
     return domain.xprd * domain.yprd / (state_->scale * state_->scale);
 }
 
-double Simulation::hottest_phase() const {
+double Simulation::max_kinetic_energy_of_a_phase() const {
     const State& s = *state_;
     const LAMMPS_NS::Atom& atoms = state_->atom();
     std::vector<double> kinetic(s.model.phases.size(), 0.0), count(kinetic);

@@ -82,7 +82,7 @@ void Simulation::State::remember_contacts() {
     session.command("fix contact all tomodem/contact");
     ready = false;  // the pair style finds it when it is set up
     contact = static_cast<FixContact*>(session.lmp().modify->find_fix_id("contact"));
-    contact->memory().set_law({.least_outward = law::SelfContact::outward_over_seed * model.seed_radius});
+    contact->memory().set_law({.min_outward = law::SelfContact::outward_over_seed * model.seed_radius});
     if (std::isfinite(model.healing_time)) contact->heal_after(std::llround(model.healing_time / model.time_step));
 }
 

@@ -18,7 +18,7 @@
 namespace tomodem::plugin {
 
 /// A sample inside LIGGGHTS, and what the parts of Simulation share: building and loading (simulation.cpp), what is
-/// read off (simulation_reports.cpp), saving and going on (simulation_restart.cpp).
+/// read off (simulation_reports.cpp), saving and resuming (simulation_restart.cpp).
 struct Simulation::State {
     MPI_Comm communicator;
     int rank = 0;

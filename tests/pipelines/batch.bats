@@ -208,7 +208,7 @@ END
     [ "$code" != 0 ]
     [ "$(value_of one status <out/batch.csv)" = interrupted ]
     batch GOAL=run
-    grep -q "going on at strain -0" out/one/log.txt
+    grep -q "resuming at strain -0" out/one/log.txt
     same_run whole/one/run.h5 out/one/run.h5
 }
 
@@ -225,7 +225,7 @@ END
     make_scene scene.toml 2e-4
     batch GOAL=run
     [ "$(value_of one final_strain <out/batch.csv)" = -0.04 ]
-    run -1 grep -q "going on at strain" out/one/log.txt
+    run -1 grep -q "resuming at strain" out/one/log.txt
 }
 
 @test "two batches do not work on one stack at a time" {

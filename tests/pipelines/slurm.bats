@@ -90,7 +90,7 @@ END
     log=$(grep -l "long: near the end of its time; queued again" out/slurm/run-*.log)
     grep -q "^long: done" "$log"
     grep -q "stopped by SIGUSR1" out/long/log.txt
-    grep -q "going on at strain -0" out/long/log.txt
+    grep -q "resuming at strain -0" out/long/log.txt
     same_run whole/long/run.h5 out/long/run.h5
 
     [ "$(value_of long status <out/batch.csv)" = "done" ]

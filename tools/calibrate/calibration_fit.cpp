@@ -204,7 +204,7 @@ BilinCalibration fit_bilin(const std::vector<MeasuredRun>& runs, const FitOption
             "the runs of law \"bilin\" have one chi: a master curve needs two or more, better over three decades");
     double steepest = 0;
     for (const double chi : found.curve.chi) steepest = std::max(steepest, found.curve.sensitivity(chi));
-    found.curve.greatest_sensitivity = steepest + sensitivity_tolerance;
+    found.curve.max_sensitivity = steepest + sensitivity_tolerance;
     found.strain_per_step = {sweep.strain_per_step, sweep.strain_per_step};
     found.time_step_error = time_step_errors(runs, sweep, found);
     return found;

@@ -41,7 +41,7 @@ std::string calibration_text(const Calibration& table) {
             "\n# flow stress = k_rep / (2 r_s) flow(chi), chi = rate t0^2 / time_step\n[calibration.bilin]\n"
             "chi = {}\nflow = {}\nspread = {}\ngreatest_sensitivity = {:.4g}\nstrain_per_step = {}\n"
             "time_step_error = {}\n",
-            list(bilin.curve.chi), list(bilin.curve.flow), list(bilin.spread), bilin.curve.greatest_sensitivity,
+            list(bilin.curve.chi), list(bilin.curve.flow), list(bilin.spread), bilin.curve.max_sensitivity,
             list(bilin.strain_per_step), list(bilin.time_step_error));
         text += window_text(bilin);
     }

@@ -76,7 +76,7 @@ class Carving {
                 if (iteration > request_.max_iterations)
                     throw InvalidInput(
                         fmt::format("the pores are not as large as the image's after {} iterations: {}; "
-                                    "--resume with more --max-iterations goes on",
+                                    "--resume with more --max-iterations continues",
                                     request_.max_iterations, how_far()));
                 removal = carver_->next_removal(sample_, assessment_, iteration == 1);
                 if (removal.empty())
@@ -131,8 +131,8 @@ class Carving {
             if (!go_on) return;
             if (before != image_)
                 throw InvalidInput(
-                    fmt::format("cannot go on from '{}': it was made with other options of the volume; use "
-                                "the same again, or start anew without --resume",
+                    fmt::format("cannot resume from '{}': it was made with other options of the volume; use "
+                                "the same again, or start again without --resume",
                                 state_file_.string()));
             carver_->set_density(density_);
             assessment_ = carver_->assess(sample_);
@@ -174,7 +174,7 @@ class Carving {
         steps_ = static_cast<std::int64_t>(found.number("steps"));
         density_ = found.number("density");
         image_ = found.numbers.at("image");
-        reporter_.note(fmt::format("going on after iteration {}", rows_.back().iteration));
+        reporter_.note(fmt::format("resuming after iteration {}", rows_.back().iteration));
     }
 
     void erase(const std::vector<std::size_t>& places) {

@@ -25,7 +25,7 @@ struct CarveRequest {
 };
 
 /// Takes particles out and relaxes, in turns, until the pores have their volume; writes the sample, the tables and,
-/// after each iteration, the state that `resume` goes on from. Collective.
+/// after each iteration, the state that `resume` starts from. Collective.
 /// @throws InvalidInput if the image does not fit the sample, a pore ends too large, or it takes too many iterations
 /// @param threads  for the image and what looks at it, on the first process
 void carve(const CarveRequest& request, const Provenance& provenance, int threads, MPI_Comm communicator,

@@ -15,7 +15,7 @@ namespace tomodem::relax {
 namespace {
 
 /// Between a pore and a face of the image, in particles: a thinner one opens when the sample relaxes.
-constexpr double least_wall = 2;
+constexpr double min_wall = 2;
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
@@ -171,7 +171,7 @@ double DistanceField::at(const Vec3& point) const {
     return sum;
 }
 
-ImagePores find_pores(const LabelVolume& volume, double seed_radius, double least, double reach, int threads) {
+ImagePores find_pores(const LabelVolume& volume, double seed_radius, double min_across, double reach, int threads) {
     const Components components = connected_components(volume, {0});
     if (components.voxels.empty())
         throw InvalidInput("the volume has no pore: no voxel has label 0 (void); --relabel 2=0 makes label 2 void");
@@ -184,7 +184,7 @@ ImagePores find_pores(const LabelVolume& volume, double seed_radius, double leas
         const double size = static_cast<double>(components.voxels[i]) * voxel;
         const double across = std::cbrt(6 * size / std::numbers::pi) / (2 * seed_radius);
         largest = std::max(largest, across);
-        if (across >= least) {
+        if (across >= min_across) {
             kept.push_back(i);
         } else {
             ++found.too_small;
@@ -196,7 +196,7 @@ ImagePores find_pores(const LabelVolume& volume, double seed_radius, double leas
             "the pores of the volume are too small for these particles: the largest of {} is {:.2g} particles "
             "across, {:g} are needed; make the sample of finer particles (--pixels-per-seed), and look at "
             "--voxel-size",
-            components.voxels.size(), largest, least));
+            components.voxels.size(), largest, min_across));
     std::vector<std::unique_ptr<ImagePore>> pores(kept.size());
     parallel_for(static_cast<std::int64_t>(kept.size()), threads, [&](std::int64_t k) {
         const std::size_t i = kept[k];
@@ -209,7 +209,7 @@ ImagePores find_pores(const LabelVolume& volume, double seed_radius, double leas
         pore.across = std::cbrt(6 * pore.volume / std::numbers::pi) / (2 * seed_radius);
         for (int c = 0; c < 3; ++c) {
             const double wall = std::min(extent.low[c], volume.size()[c] - 1 - extent.high[c]) * volume.spacing()[c];
-            pore.open = pore.open || wall < least_wall * 2 * seed_radius;
+            pore.open = pore.open || wall < min_wall * 2 * seed_radius;
             const double mean = extent.sum[c] / static_cast<double>(components.voxels[i]) + 0.5;
             pore.centre[c] = volume.origin()[c] + volume.spacing()[c] * mean;
         }

@@ -51,10 +51,10 @@ struct ImagePores {
 };
 
 /// @param seed_radius  of the particles [mm]
-/// @param least        across, of a pore that is not left out
+/// @param min_across   of a pore that is not left out
 /// @param reach        how far from a pore its distance is known [mm]
 /// @throws InvalidInput if the image has no void, or nothing that is not too small
 /// @note   memory: 4 bytes a voxel of the boxes around the pores, 9 while they are made
-ImagePores find_pores(const LabelVolume& volume, double seed_radius, double least, double reach, int threads);
+ImagePores find_pores(const LabelVolume& volume, double seed_radius, double min_across, double reach, int threads);
 
 }  // namespace tomodem::relax

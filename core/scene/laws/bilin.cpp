@@ -48,7 +48,7 @@ const BilinCalibration& table_of(const Scene& scene) {
 
 class Bilin final : public CrownLaw {
  public:
-    Bilin() : CrownLaw({.name = "bilin", .min_steps_per_period = law::least_steps_per_period}, 10.0) {}
+    Bilin() : CrownLaw({.name = "bilin", .min_steps_per_period = law::min_steps_per_period}, 10.0) {}
 
     void read_phase(TomlReader& reader, Phase& phase) const override {
         CrownLaw::read_phase(reader, phase);
@@ -76,7 +76,7 @@ class Bilin final : public CrownLaw {
         if (*std::min_element(found.curve.flow.begin(), found.curve.flow.end()) <= 0)
             reader.fail(reader.get("flow"), "flow of the master curve must be above 0");
         found.spread = reader.list("spread", found.curve.chi.size());
-        found.curve.greatest_sensitivity = reader.number("greatest_sensitivity");
+        found.curve.max_sensitivity = reader.number("greatest_sensitivity");
         found.strain_per_step = reader.range("strain_per_step");
         found.time_step_error = reader.list("time_step_error", found.curve.chi.size());
         read_window(reader, found, true);
@@ -115,7 +115,7 @@ class Bilin final : public CrownLaw {
     Constants constants_for(const Scene& scene, const Norton& flow, double time_step) const override {
         const law::BilinFlow& curve = table_of(scene).curve;
         const double rate = scene.highest_rate(), chi = curve.chi_for(flow.rate_sensitivity);
-        const double period = std::max(law::least_steps_per_period * time_step, std::sqrt(chi * time_step / rate));
+        const double period = std::max(law::min_steps_per_period * time_step, std::sqrt(chi * time_step / rate));
         const double stress = flow.stress(rate) * pascal_per_megapascal;
         return {stress * 2 * scene.seed_radius / curve.at(rate * period * period / time_step), period};
     }
@@ -125,7 +125,7 @@ class Bilin final : public CrownLaw {
         const auto bound = number_of(scene.law_accuracy, error_key);
         if (!bound) return scene.strain_per_step;
         const double longest = *bound / error_per_rate_and_period;  // rate t0
-        double strain_per_step = longest / law::least_steps_per_period;
+        double strain_per_step = longest / law::min_steps_per_period;
         for (const Phase& phase : scene.phases) {
             if (phase.norton) {
                 // chi = (rate t0)^2 / strain_per_step
@@ -145,11 +145,11 @@ class Bilin final : public CrownLaw {
 
     void check_rate(const Scene& scene, const Phase& phase, double period, double time_step) const override {
         const double rate = scene.highest_rate();
-        if (const double chi = rate * period * period / time_step; chi > law::greatest_chi)
+        if (const double chi = rate * period * period / time_step; chi > law::max_chi)
             throw InvalidInput(fmt::format(
                 "scene '{}' line {}: [phase.{}] at {:g} /s has rate natural_period^2 / time_step = {:.3g}; above {:g} "
                 "the packing collapses; take a lower rate or a shorter natural_period",
-                scene.path.string(), phase.line, phase.name, rate, chi, law::greatest_chi));
+                scene.path.string(), phase.line, phase.name, rate, chi, law::max_chi));
     }
 };
 

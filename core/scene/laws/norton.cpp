@@ -140,7 +140,7 @@ class NortonLaw final : public Law {
         const double d = 2 * scene.seed_radius, rate = scene.highest_rate();
         law.seed_diameter = d;
         law.flow_rate = rate;
-        law.least_rate = C::rate_floor * scene.lowest_rate();
+        law.min_rate = C::rate_floor * scene.lowest_rate();
         const NortonCalibration& calibration = *scene.flow_table().find<NortonCalibration>();
         const double reference = number_of(scene.law_accuracy, reference_key).value_or(rate);
         double softest = 1e300;
@@ -193,7 +193,7 @@ class NortonLaw final : public Law {
         const std::string inertia =
             found.inertia < max_inertia
                 ? fmt::format("inertia of {:g} of the stress at this height", inertia_share(scene))
-                : fmt::format("the greatest mass, {:g} K rate^M d / rate^2", max_inertia);
+                : fmt::format("the largest mass, {:g} K rate^M d / rate^2", max_inertia);
         return found.viscous < found.elastic
                    ? fmt::format("viscous stability at half the lowest rate, with {}", inertia)
                    : fmt::format("the period of the elastic cores, with {}", inertia);

@@ -86,7 +86,7 @@ class Trilin final : public CrownLaw {
         const law::TrilinFlow& flow = table_of(scene).flow;
         if (std::abs(wanted.rate_sensitivity - flow.sensitivity) > flow.tolerance) {
             const auto* const bilin = scene.flow_table().find<BilinCalibration>();
-            const bool reached = bilin != nullptr && wanted.rate_sensitivity <= bilin->curve.greatest_sensitivity;
+            const bool reached = bilin != nullptr && wanted.rate_sensitivity <= bilin->curve.max_sensitivity;
             throw InvalidInput(
                 fmt::format("M = {:g} is out of reach of law \"trilin\", whose rate sensitivity is {:g} within {:g}; "
                             "{}",
@@ -101,11 +101,11 @@ class Trilin final : public CrownLaw {
 
     void check_rate(const Scene& scene, const Phase& phase, double period, double) const override {
         const double rate = scene.highest_rate();
-        if (rate * period > law::trilin_greatest_rate)
+        if (rate * period > law::trilin_max_rate)
             throw InvalidInput(fmt::format(
                 "scene '{}' line {}: [phase.{}] at {:g} /s has rate natural_period = {:.3g}; above {:g} the planes "
                 "outrun the packing; take a lower rate or a shorter natural_period",
-                scene.path.string(), phase.line, phase.name, rate, rate * period, law::trilin_greatest_rate));
+                scene.path.string(), phase.line, phase.name, rate, rate * period, law::trilin_max_rate));
     }
 
     double max_attraction(const Scene& scene, const Phase& phase, double stiffness) const override {

@@ -39,7 +39,7 @@ class CrownSolverLaw final : public SolverLaw {
     void connect(PropertyRegistry& registry, const char* caller) override {
         script::connect_pairs<repulsive>(registry, repulsive_stiffness_, caller);
         script::connect_pairs<attractive>(registry, attractive_stiffness_, caller);
-        if (attraction_ == Attraction::bounded) script::connect_pairs<greatest>(registry, greatest_attraction_, caller);
+        if (attraction_ == Attraction::bounded) script::connect_pairs<greatest>(registry, max_attraction_, caller);
         script::connect_scalar<seed_share>(registry, seed_to_crown_, caller);
     }
 
@@ -61,7 +61,7 @@ class CrownSolverLaw final : public SolverLaw {
     /// Law of a pair of types whose crown radii add up to `crown`.
     law::Pair pair(int a, int b, double crown) const {
         law::Pair law{crown * seed_to_crown_, crown, repulsive_stiffness_[a][b], attractive_stiffness_[a][b]};
-        if (greatest_attraction_ != nullptr) law.greatest_attraction = greatest_attraction_[a][b];
+        if (max_attraction_ != nullptr) law.max_attraction = max_attraction_[a][b];
         return law;
     }
 
@@ -70,7 +70,7 @@ class CrownSolverLaw final : public SolverLaw {
     CrownPairs pairs_;
     double** repulsive_stiffness_ = nullptr;
     double** attractive_stiffness_ = nullptr;
-    double** greatest_attraction_ = nullptr;
+    double** max_attraction_ = nullptr;
     double seed_to_crown_ = 0.0;
 };
 

@@ -44,7 +44,7 @@ class NortonSolverLaw final : public SolverLaw {
     void read(const ScriptParticles& particles) override {
         law::Norton law;
         law.flow_rate = flow_rate_;
-        law.least_rate = law::NortonConstants::rate_floor * flow_rate_;
+        law.min_rate = law::NortonConstants::rate_floor * flow_rate_;
         const double flow = shipped_calibration().find<NortonCalibration>()->flow;
         double crown = 0;
         for (std::size_t type = 1; type < particles.crown_radius.size(); ++type) {

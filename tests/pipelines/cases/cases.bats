@@ -75,7 +75,7 @@ stop_in_the_middle() {
     mv out whole
     stop_in_the_middle INT KILL
     run -0 a_case two_phases -s "out/$RUN/run.h5"
-    [[ $output == *"going on at strain -0"* ]]
+    [[ $output == *"resuming at strain -0"* ]]
     same_run "whole/$RUN/run.h5" "out/$RUN/run.h5"
     [ ! -e "out/$RUN/run.h5.checkpoint" ]
 }

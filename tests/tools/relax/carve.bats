@@ -1,4 +1,4 @@
-# carve: pores of the right volume, going on after a kill, and what it refuses.
+# carve: pores of the right volume, resuming after a kill, and what it refuses.
 
 bats_require_minimum_version 1.5.0
 load common
@@ -106,7 +106,7 @@ assert (one["position/value"][()] == two["position/value"][()]).all()'
     killed_after 0 out.h5
     sed 's/-0.1/-0.2/' scene.toml > other.toml
     refused 1 "another scene" carve dense.h5 other.toml pore.tif out.h5 --voxel-size 10um --judged-from 8 --quiet --resume
-    refused 1 "cannot go on from 'out.h5.state'" carved out.h5 --resume --first-share 0.5
+    refused 1 "cannot resume from 'out.h5.state'" carved out.h5 --resume --first-share 0.5
     refused 1 "other options of the volume" \
         carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --roi 0:71,0:72,0:72 --judged-from 8 \
         --quiet --resume

@@ -107,11 +107,11 @@ two() { mpirun --oversubscribe -np 2 "$TOMODEM_BIN/solve" relaxed.h5 scene.toml 
     cat err.txt
     [ "$code" = 1 ]
     [ "$(wc -l <err.txt)" = 1 ]
-    grep -q "stopped by SIGTERM at strain -0.* --resume goes on from the checkpoint 'run.h5.checkpoint'" err.txt
+    grep -q "stopped by SIGTERM at strain -0.* --resume continues from the checkpoint 'run.h5.checkpoint'" err.txt
     [ ! -e run.h5 ]
     run two run.h5 --resume
     [ "$status" = 0 ]
-    [[ "$output" == *"going on at strain -0."*"another number of processes"* ]]
+    [[ "$output" == *"resuming at strain -0."*"another number of processes"* ]]
     [[ "$output" == *"particles_lost: 0"* ]]
 }
 
@@ -126,7 +126,7 @@ two() { mpirun --oversubscribe -np 2 "$TOMODEM_BIN/solve" relaxed.h5 scene.toml 
     wait $process || code=$?
     cat err.txt
     [ "$code" = 1 ]
-    [ "$(grep -c "stopped by SIGUSR1 at strain -0.* --resume goes on from the checkpoint 'run.h5.checkpoint'" err.txt)" = 1 ]
+    [ "$(grep -c "stopped by SIGUSR1 at strain -0.* --resume continues from the checkpoint 'run.h5.checkpoint'" err.txt)" = 1 ]
     [ -e run.h5.checkpoint ]
     # mpirun gives its processes a second after SIGTERM: under load that may be too short for a checkpoint.
     mpirun --oversubscribe -np 2 "$TOMODEM_BIN/solve" relaxed.h5 scene.toml run.h5 --quiet --resume & process=$!
@@ -275,16 +275,16 @@ END
     wait $process || true
     [ -e run.h5.checkpoint ]
     press_scene other.toml -0.25
-    refuses 1 "cannot go on from 'run.h5.checkpoint': it was made with another scene" \
+    refuses 1 "cannot resume from 'run.h5.checkpoint': it was made with another scene" \
         solve relaxed.h5 other.toml run.h5 --resume
-    refuses 1 "cannot go on from 'run.h5.checkpoint': it was made with another sample or wall" \
+    refuses 1 "cannot resume from 'run.h5.checkpoint': it was made with another sample or wall" \
         solve sample.h5 scene.toml run.h5 --resume
     mv run.h5.partial elsewhere
     refuses 1 "'run.h5.partial', are not there" solve relaxed.h5 scene.toml run.h5 --resume
     mv elsewhere run.h5.partial
     run solve relaxed.h5 scene.toml run.h5
     [ "$status" = 0 ]
-    [[ "$output" == *"starting anew: the checkpoint 'run.h5.checkpoint' is removed"* ]]
+    [[ "$output" == *"starting again: the checkpoint 'run.h5.checkpoint' is removed"* ]]
     [ ! -e run.h5.checkpoint ]
 }
 

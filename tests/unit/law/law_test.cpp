@@ -28,7 +28,7 @@ TEST(BilinForce, VanishesWhileApproachingInTheCrownAndBeyondIt) {
 
 TEST(TrilinForce, PullsNoHarderThanItsBound) {
     Pair bounded = pair;
-    bounded.greatest_attraction = 1e8;
+    bounded.max_attraction = 1e8;
     EXPECT_NEAR(pair_force(bounded, 1.1, 1), -0.6e8, 1);
     EXPECT_DOUBLE_EQ(pair_force(bounded, 1.4, 1), -1e8);
     EXPECT_EQ(pair_force(bounded, 1.4, -1), 0);
@@ -37,7 +37,7 @@ TEST(TrilinForce, PullsNoHarderThanItsBound) {
 
 TEST(TrilinWall, PullsThreeTimesAsHardWhateverTheRate) {
     Pair bounded = pair;
-    bounded.greatest_attraction = 1e8;
+    bounded.max_attraction = 1e8;
     const Wall wall = against_wall(bounded);
     EXPECT_DOUBLE_EQ(wall_force(wall, 0.6, -1), -3 * 0.6e8);
     EXPECT_DOUBLE_EQ(wall_force(wall, 0.7, -1), -3e8);
@@ -51,7 +51,7 @@ TEST(BilinWall, PullsLikeAParticleAndOnlyWhileSeparating) {
 }
 
 TEST(SelfContact, IsAnInterfaceWhereTwoFreeSurfacesMeet) {
-    const SelfContact law{.least_outward = 2.3};
+    const SelfContact law{.min_outward = 2.3};
     const double up[3] = {0, 0, 3}, down[3] = {0, 0, -3}, weak[3] = {0, 0, -2}, line_up[3] = {0, 0, 1.4};
     const double tilted[3] = {3 * std::sin(1.2), 0, 3 * std::cos(1.2)};
     EXPECT_TRUE(is_interface(law, up, down, line_up));
@@ -65,7 +65,8 @@ TEST(SelfContact, IsAnInterfaceWhereTwoFreeSurfacesMeet) {
 TEST(BilinMasterCurve, PassesThroughTheThesisPhases) {
     // Thesis: t0 and k_rep of both phases, time step 5e-4 s, 1e-3 /s.
     const auto flow_stress = [](double stiffness, double period) {
-        return stiffness * shipped_calibration().find<BilinCalibration>()->curve.at(1e-3 * period * period / 5e-4) / 1e6;
+        return stiffness * shipped_calibration().find<BilinCalibration>()->curve.at(1e-3 * period * period / 5e-4) /
+               1e6;
     };
     EXPECT_NEAR(flow_stress(6.23e9, 1e-2), 94.3, 0.05 * 94.3);
     EXPECT_NEAR(flow_stress(2.65e9, 0.8), 170.1, 0.10 * 170.1);

@@ -31,7 +31,7 @@ std::vector<Vector3d> cloud(int count, double edge) {
 }
 
 Norton norton(double sensitivity) {
-    return {.seed_diameter = diameter, .least_rate = 0, .flow_rate = 1e-3, .materials = {{3e7, sensitivity, 2e6}}};
+    return {.seed_diameter = diameter, .min_rate = 0, .flow_rate = 1e-3, .materials = {{3e7, sensitivity, 2e6}}};
 }
 
 NortonSums sums_of(const std::vector<Vector3d>& points, const std::vector<Vector3d>& velocities, std::size_t i) {
@@ -138,7 +138,7 @@ TEST(NortonLaw, ABodyThatRotatesHasNoRateOfDeformation) {
     Matrix3d spin;
     spin << 0, -0.5, -0.7, 0.5, 0, -0.3, 0.7, 0.3, 0;
     Norton law = norton(0.3);
-    law.least_rate = 1e-9;
+    law.min_rate = 1e-9;
     const NortonState state = Middle().state(law, spin);
     // But for the floor of the fabric, whose share differs a little from direction to direction.
     for (int c = 0; c < 3; ++c) {

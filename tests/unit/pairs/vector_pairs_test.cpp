@@ -77,8 +77,8 @@ struct Cloud {
 PairLaws two_materials(bool bounded, bool dispersed = false) {
     law::Pair soft{1, 1.5, 2.65e9, 2.65e8}, stiff{1, 1.5, 6.23e9, 6.23e8};
     if (bounded) {
-        soft.greatest_attraction = 5e7;
-        stiff.greatest_attraction = 9e7;
+        soft.max_attraction = 5e7;
+        stiff.max_attraction = 9e7;
     }
     PairLaws laws;
     laws.of_types = {soft, law::mixed(soft, stiff), law::mixed(soft, stiff), stiff};
@@ -117,7 +117,7 @@ TEST_P(EveryLoop, DoesWhatTheFormulasDoWhileParticlesMove) {
     pairs.set_laws(laws, 0.1);
     ContactMemory vector_memory, scalar_memory;
     for (ContactMemory* memory : {&vector_memory, &scalar_memory}) {
-        memory->set_law({.least_outward = 1.0});
+        memory->set_law({.min_outward = 1.0});
         memory->resize(cloud.local, static_cast<int>(cloud.type.size()) - cloud.local);
     }
     int most_interfaces = 0;

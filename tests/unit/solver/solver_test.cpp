@@ -255,7 +255,7 @@ TEST(CompileModel, GivesTrilinItsCalibratedConstants) {
     EXPECT_DOUBLE_EQ(thesis.time_step, 0.1);
     EXPECT_NEAR(thesis.phases[0].natural_period, 1, 1e-12);
     EXPECT_NEAR(thesis.phases[0].pair.repulsive_stiffness / 1.42e9, 1, 1e-9);
-    EXPECT_NEAR(thesis.phases[0].pair.greatest_attraction, 1e8, 2e5);
+    EXPECT_NEAR(thesis.phases[0].pair.max_attraction, 1e8, 2e5);
     // A rate ten times higher: the same packing ten times faster, under the stress of that rate.
     const Model fast = trilin("norton = { K = 49.1, M = 0.0714 }", 1e-2);
     EXPECT_NEAR(fast.phases[0].natural_period, 0.1, 1e-12);
