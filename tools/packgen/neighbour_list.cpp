@@ -58,7 +58,7 @@ void NeighbourList::sort_by_cell(std::vector<Row>& position, std::vector<Row>& a
             for (std::size_t i = k * chunk_size; i < end; ++i) work(i);
         });
     };
-    const auto& [edge_x, edge_y, edge_z] = region_.edges;
+    const double edge_x = region_.edges[0], edge_y = region_.edges[1], edge_z = region_.edges[2];
     for_particles([&](std::size_t i) {
         Row& p = position[i];
         if (region_.periodic[0]) p.x = wrapped(p.x, edge_x);

@@ -117,7 +117,7 @@ PoreMeasure measure_pore(std::span<const Vec3> centres, const DistanceField& ima
 PoreOverlap overlap_pore(std::span<const Vec3> centres, const DistanceField& image, const Belongs& belongs,
                          const Matter& matter, double across) {
     const double probe = 2 * matter.seed_radius, step = matter.seed_radius / 2;
-    const Vec3 corner = image.low();
+    const Vec3& corner = image.low();
     VoxelIndex size;
     for (int c = 0; c < 3; ++c) size[c] = static_cast<std::int32_t>((image.high()[c] - corner[c]) / step) + 1;
     std::vector<bool> free(std::size_t(size[0]) * size[1] * size[2], true);

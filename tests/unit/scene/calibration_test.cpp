@@ -53,7 +53,8 @@ Packing cloud(std::size_t count) {
     Packing sample;
     sample.seed_radius = 0.5;
     for (std::size_t k = 0; k < count; ++k) {
-        sample.position.push_back({double(k % 10), double(k / 10 % 10), double(k / 100)});
+        const std::size_t row = k / 10, layer = row / 10;
+        sample.position.push_back({double(k % 10), double(row % 10), double(layer)});
         sample.species.push_back(1);
         sample.id.push_back(std::int64_t(k + 1));
     }
