@@ -50,7 +50,8 @@ cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request) {
                            "dataset (FILE.h5:/path).",
                            volume_format_names()))
         .option("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive,
-                "Edge of a voxel. Required where the file does not hold it; where it does, the two must agree.")
+                "Edge of a voxel. Required if the file does not hold it; if the file does, a value given here must "
+                "agree with it.")
         .option("--slice-spacing", request.slice_spacing, cli::Unit::length, cli::positive,
                 "Distance between slices; without it, the voxel size.")
         .option("--origin", request.origin,
@@ -69,7 +70,8 @@ cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request) {
         .option("--raw-size", request.raw_size,
                 "Read the file as raw voxels, x fastest, of these numbers along x, y, z, as 200x200x100.")
         .option("--raw-type", request.raw_type,
-                "Type of the raw voxels: uint8, int8, uint16 ... int64, float32, float64 (or u8, i8, u16 ... f64).")
+                "Type of the raw voxels, required with --raw-size: uint8, int8, uint16 ... int64, float32, float64 (or "
+                "u8, i8, u16 ... f64).")
         .choice("--raw-byte-order", request.raw_byte_order, {"little", "big"}, "Byte order of the raw voxels.")
         .option("--raw-offset", request.raw_offset, cli::Unit::none, cli::not_negative,
                 "Number of bytes before the first raw voxel.")

@@ -25,7 +25,10 @@ cli::Usage usage(Request& request) {
         .step(cli::Step::plan)
         .inputs("RUN", request.runs,
                 "Runs (.h5) of one dense phase, each at one rate; runs of several laws may be mixed.")
-        .output("TABLE", request.table, "Table to write; a scene names it as calibration under [accuracy].", {".toml"})
+        .output("TABLE", request.table,
+                "Table to write; a scene uses it where the key calibration in its section [accuracy] names this "
+                "file.",
+                {".toml"})
         .option("--particles", request.options.particles, cli::Unit::particles, cli::positive,
                 "Make the table from the runs with this number of particles; the others say what the size changes. The "
                 "default is the number that most runs have.")
@@ -35,10 +38,10 @@ cli::Usage usage(Request& request) {
         .option("--at", request.options.where.at, cli::Unit::strain, cli::positive,
                 "Measure the flow stress at this |strain|.")
         .option("--window", request.options.where.window, cli::Unit::strain, cli::positive,
-                "Take the mean over |strain| within this distance of --at as the flow stress.")
+                "Half-width of the window of |strain| around --at; the flow stress is the mean stress in this window.")
         .option("--strain-error", request.options.strain_error, cli::Unit::fraction, cli::positive,
-                "End the window of strain that the table holds for where the mean stress of a row differs from its "
-                "flow stress by this fraction.")
+                "Limit the table to the strains around --at at which the mean stress of every row differs from its "
+                "flow stress by at most this fraction.")
         .option("--name", request.options.name,
                 "Name stored in the table; solve prints it. The default is the name of the file.")
         .output_option("--compare", request.curve,

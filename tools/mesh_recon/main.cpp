@@ -35,8 +35,8 @@ cli::Usage usage(Request& request) {
         .input("RUN", request.packing, "Run or sample (.h5) to wrap.")
         .output(
             "MESH", request.mesh,
-            "Surface to write. With --frames all, the files are NAME_0000.EXT, NAME_0001.EXT, ..., and for .vtp and "
-            ".pvd the series NAME.pvd of .vtp files.",
+            "Surface to write. With --frames all, each frame has a file, NAME_0000.EXT and so on; for .vtp and .pvd "
+            "these are .vtp files, and NAME.pvd lists them for ParaView. A name in .pvd needs --frames all.",
             {".stl", ".ply", ".vtp", ".obj", ".pvd"})
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
                 "Fill the gaps between centres that a ball of this radius cannot enter; the default is one particle "
@@ -49,10 +49,11 @@ cli::Usage usage(Request& request) {
         .flag("--each-object", request.each_object, "Wrap every object by itself; all go into one mesh.")
         .flag("--pores", request.pores, "Wrap the closed pores instead of the solid.")
         .option("--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
-                "With --pores, also take pores with a mouth, and close it with a lid that a ball of this radius rolls "
-                "on.")
+                "With --pores, also wrap pores that are open to the outside; a lid, the surface on which a ball of "
+                "this radius rolls over the sample, closes them. Without it, only closed pores are wrapped.")
         .flag("--correct-envelope", request.correct_envelope,
-              "Move the surfaces from the outermost centres to where the material ends.")
+              "Move each surface to where the material ends; without it, the surface runs through the centres of the "
+              "outermost particles.")
         .output_option("--bodies", request.table, "Also write the measures of each body or pore.", {".csv"})
         .step(cli::Step::surface)
         .exclusive({"--species", "--object", "--each-object"})

@@ -26,7 +26,8 @@ cli::Usage usage(Request& request) {
         .required("--relative-density", request.relative_density, cli::Unit::fraction, {0, 0.6, false, true},
                   "Fraction of the voxels that is solid; the radius of the struts follows from it.")
         .option("--cells", request.cells, cli::Unit::none, {1, 100},
-                "Number of cubes of two cells along the shortest edge of the volume.")
+                "Number of unit cells along the shortest edge of the volume; a unit cell is a cube that holds two "
+                "cells of the foam (body-centred cubic).")
         .option("--irregularity", request.irregularity, cli::Unit::fraction, {0, 1},
                 "0 gives Kelvin's cells, all alike; 1 moves the centres of the cells by up to half their distance.")
         .option("--random-seed", request.random_seed, cli::Unit::none, cli::not_negative,

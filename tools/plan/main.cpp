@@ -31,8 +31,9 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     cli::Usage usage("plan",
-                     "Propose resolution, law and time step for an image and a scene, with predicted error, time and "
-                     "memory; or, for a given size of the particles, the scene and the options of the other tools.");
+                     "Propose the resolution, law and time step of a simulation, and predict its error, time and "
+                     "memory; or, for a given size of the particles, write the scene and the options of the other "
+                     "tools.");
     add_volume(usage, request.volume)
         .step(cli::Step::plan)
         .optional_output("PROPOSED", request.proposed,
@@ -40,7 +41,8 @@ cli::Usage usage(Request& request) {
                          "beside the scene NAME.toml.",
                          {".toml"})
         .option("--error", request.error, cli::Unit::percent, cli::positive,
-                "Find the cheapest setting whose error stays within this value in 19 of 20 runs, for each quantity.")
+                "Wanted error, kept in 19 of 20 runs by each quantity of --of; the cheapest resolution, law and time "
+                "step that keep it are proposed.")
         .option("--particles", request.particles, cli::Unit::particles, cli::positive,
                 "Instead of --error, choose the size of the particles for about this number of them.")
         .option("--pixels-per-seed", request.pixels_per_seed, cli::Unit::voxels, cli::positive,
@@ -55,8 +57,8 @@ cli::Usage usage(Request& request) {
         .choice("--feature", request.feature, {"median", "smallest"},
                 "Object, pore or strut that --error resolves; the median is that by volume.")
         .input_option("--table", request.table,
-                      "Table of what accuracy costs (.toml), made by pipelines/trade on this machine or of other "
-                      "scenes. The default is the table that tomodem ships.")
+                      "Table by which --error predicts error, time and memory (.toml, from trade_table). The default "
+                      "is the table that tomodem ships.")
         .option("--labels", request.labels,
                 "With --particles or --pixels-per-seed: names of the labels, as 1=matrix,2=inclusion. The default is "
                 "the names of the scene.")

@@ -19,13 +19,16 @@ struct Request {
 };
 
 cli::Usage usage(Request& request) {
-    return cli::Usage{"trade_table", "Table of what accuracy costs, from the runs of pipelines/trade."}
+    return cli::Usage{"trade_table",
+                      "Make the table by which plan predicts error, time and memory, from the simulations of "
+                      "pipelines/trade."}
         .step(cli::Step::plan)
         .input("RESULTS", request.results, "Results (.csv) of the sweeps, one row for each run and measured quantity.")
         .input("REFERENCES", request.references, "Right values (.toml) of the quantities that have one.")
         .output("TABLE", request.table, "Table to write; plan reads it with --table.", {".toml"})
         .required("--densities", request.densities,
-                  "Laws of the table, each with the density D of its brick, as bilin=0.70,norton=0.64.")
+                  "Laws that the table holds, each with the density D of the packing its simulations started from, as "
+                  "bilin=0.70,norton=0.64.")
         .option("--name", request.name, "Name stored in the table; plan prints it.")
         .example("trade_table results.csv reference.toml trade.toml --densities bilin=0.70,trilin=0.74,norton=0.64");
 }

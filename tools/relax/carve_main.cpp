@@ -14,11 +14,13 @@ struct Request : CarveRequest {
 cli::Usage usage(Request& request) {
     cli::Usage usage("carve", "Take particles out of a sample and relax, until its pores are as large as the image's.");
     usage.input("SAMPLE", request.sample, "Dense sample, the void of the image filled (.h5, vol2pack --relabel 0=1).")
-        .input("SCENE", request.scene, "What the sample is made of (.toml, docs/scene.md).");
+        .input("SCENE", request.scene,
+               "Scene (.toml, docs/scene.md) that gives the phases of the sample and the law by which it relaxes.");
     return add_volume(usage, request.volume_request)
         .output("CARVED", request.carved, "Sample with its pores, at rest, to write.", {".h5"})
         .option("--pore-error", request.pore_error, cli::Unit::percent, {0, 100, false, true},
-                "Largest error of the volume of a single pore that is large enough for --judged-from.")
+                "Allowed error of the volume of each closed pore whose diameter is at least --judged-from; smaller "
+                "pores count in --total-error only.")
         .option("--total-error", request.total_error, cli::Unit::percent, {0, 100, false, true},
                 "Largest error of the volume of all closed pores together.")
         .option("--judged-from", request.carve.judged_across, cli::Unit::particles, cli::positive,
@@ -29,7 +31,8 @@ cli::Usage usage(Request& request) {
                 "Share of the particles of each pore that is taken out in the first iteration; later ones take what is "
                 "still missing.")
         .option("--max-iterations", request.max_iterations, cli::Unit::none, {0, 1e6},
-                "Fail after this many iterations; 0 only measures the sample.")
+                "Largest number of iterations; if the pores do not match the image by then, carve fails. 0 only "
+                "measures the sample.")
         .option("--energy-ratio", request.limits.energy_ratio, cli::Unit::none, cli::positive,
                 "Kinetic over elastic energy at the end of each relaxation, as of relax.")
         .option("--force-balance", request.limits.force_balance, cli::Unit::none, cli::positive,
@@ -38,7 +41,11 @@ cli::Usage usage(Request& request) {
                 "Number of natural periods after which each relaxation ends, as of relax.")
         .output_option("--table", request.table, "Table of the iterations. By default it is written beside CARVED.",
                        {".csv"})
-        .output_option("--pores", request.pores, "Table of the pores at the end.", {".csv"})
+        .output_option(
+            "--pores", request.pores,
+            "Also write a table with one row for each pore: its volume in the finished sample and in the image, "
+            "and its error.",
+            {".csv"})
         .flag("--resume", request.resume,
               "Resume from CARVED.state, which is kept after each iteration until the sample is complete.")
         .step(cli::Step::sample)

@@ -19,7 +19,8 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage("relax", "Let a free sample come to rest under its law.")
         .input("SAMPLE", request.sample, "Sample of particles (.h5).")
-        .input("SCENE", request.scene, "What the sample is made of (.toml, docs/scene.md).")
+        .input("SCENE", request.scene,
+               "Scene (.toml, docs/scene.md) that gives the phases of the sample and the law by which it relaxes.")
         .output("RELAXED", request.relaxed, "Sample at rest to write.", {".h5"})
         .option(
             "--energy-ratio", request.limits.energy_ratio, cli::Unit::none, cli::positive,

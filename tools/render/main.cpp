@@ -58,17 +58,18 @@ cli::Usage usage(Request& request) {
         .option("--slice-place", request.slice_place, cli::Unit::fraction, share,
                 "Place of the slice, from the lower (0) to the upper end (1) of the sample.")
         .option("--arrows", request.arrows,
-                "Vectors to draw as arrows in the slice: outward, velocity, or another field of the run with three "
-                "components.")
+                "Draw these vectors as arrows in the slice of --slice: velocity, outward (with self_contact in the "
+                "scene), or another field of the run with three components.")
         .flag("--objects", request.objects, "Draw the surfaces of the objects in a translucent sample, not particles.")
         .flag("--pores", request.pores, "Draw the closed pores in a translucent sample, not particles.")
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
                 "Probe radius of the surfaces, as in mesh_recon. When left out, it is one particle diameter.")
         .option(
             "--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
-            "Also draw pores with a mouth: a lid that a ball of this radius cannot pass closes each mouth. It needs "
-            "--pores.")
-        .option("--opacity", request.opacity, cli::Unit::fraction, share, "Opacity of the translucent sample.")
+            "With --pores, also draw pores that are open to the outside; a lid, the surface on which a ball of this "
+            "radius rolls over the sample, closes them. Without it, only closed pores are drawn.")
+        .option("--opacity", request.opacity, cli::Unit::fraction, share,
+                "Opacity of the sample around the surfaces that --objects or --pores draws: 0 is invisible, 1 opaque.")
         .choice("--press", request.press, {"x", "y", "z", "none"}, "Show the two press planes across this axis.")
         .flag("--no-outline", request.no_outline, "Leave out the thin box around the sample in its first frame.")
         .input_option("--view-of", request.view_of,

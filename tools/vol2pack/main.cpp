@@ -58,8 +58,8 @@ cli::Usage usage(Request& request) {
                 "Labels whose connected components become separate objects, as 2,3, or all; without it, none.")
         .option(
             "--label-objects", request.label_objects,
-            "Labels of the image that are one object each (from a watershed), and the label of those objects in the "
-            "sample, as 2:500=1.")
+            "Make each of these labels of the image one object (watershed); 2:500=1 makes the labels 2 to 500 objects "
+            "of label 1 in the sample.")
         .choice("--connectivity", request.connectivity, {"6", "18", "26"},
                 "Neighbours of a voxel: those that share a face with it, an edge too, or a corner too.")
         .option("--min-component", request.min_component, cli::Unit::voxels, cli::not_negative,

@@ -21,11 +21,12 @@ cli::Usage usage(Request& request) {
     cli::Usage usage("volume_info", "Report size, labels and connected components of a segmented tomography.");
     add_volume(usage, request.volume)
         .option("--min-component", request.min_component, cli::Unit::voxels, cli::positive,
-                "Also report how many connected components have at least this size.")
+                "For each label, also report the number of connected components of at least this size.")
         .flag("--files", request.files,
               "Only list the files that the volume is made of, one per line (key files); its voxels are not read.")
         .flag("--find", request.find,
-              "Only list the volumes in the folder VOLUME, one per line (key volumes); a folder of slices is one.")
+              "Only list the volumes in the folder VOLUME, one per line: image files, and subfolders of slices. With "
+              "--json, they are under the key volumes.")
         .exclusive({"--files", "--find"})
         .example("volume_info stack/ --voxel-size 2.4um")
         .example("volume_info scan.h5:/exchange/data --voxel-size 2.4um --bin 4 --otsu 1")

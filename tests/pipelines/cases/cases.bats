@@ -14,7 +14,7 @@ setup() {
 
 # Cases that may be changed.
 own_cases() {
-    cp -r "$TOMODEM_SOURCE/pipelines/cases" cases
+    cp -r "$TOMODEM_SOURCE"/pipelines/{cases,common.mk,described.py} .
     CASES=cases
 }
 

@@ -17,15 +17,15 @@ using testing::ThrowsMessage;
 /// A dense block of 4000 particles, 18 across, and pores in its image.
 class Carve : public testing::Test {
  protected:
-    Packing sample_ = packgen::compact({.particles = 4000, .density = 0.66}).packing;
-    double edge_ = sample_.box.edges[0];
-    Vec3 middle_ = Vec3::Constant(edge_ / 2);
+    Packing sample = packgen::compact({.particles = 4000, .density = 0.66}).packing;
+    double edge = sample.box.edges[0];
+    Vec3 middle = Vec3::Constant(edge / 2);
 
     LabelVolume image(const std::function<bool(const Vec3&)>& is_void, double scale = 1) const {
-        return image_of({72, 72, 72}, Vec3::Constant(scale * edge_ / 72), Vec3::Zero(), is_void);
+        return image_of({72, 72, 72}, Vec3::Constant(scale * edge / 72), Vec3::Zero(), is_void);
     }
     LabelVolume ball(double radius) const {
-        return image([=, this](const Vec3& p) { return (p - middle_).norm() < radius; });
+        return image([=, this](const Vec3& p) { return (p - middle).norm() < radius; });
     }
     static void erase(Packing& sample, const std::vector<std::size_t>& places) {
         for (auto place = places.rbegin(); place != places.rend(); ++place) {
@@ -37,19 +37,19 @@ class Carve : public testing::Test {
 };
 
 TEST_F(Carve, ReachesTheVolumeFromBelowInASampleThatDoesNotMove) {
-    Carver carver(ball(5), sample_, {.judged_across = 8});
-    carver.measure_density(sample_);
+    Carver carver(ball(5), sample, {.judged_across = 8});
+    carver.measure_density(sample);
     EXPECT_NEAR(carver.density(), 0.66, 0.01);
-    Assessment assessment = carver.assess(sample_);
+    Assessment assessment = carver.assess(sample);
     EXPECT_EQ(assessment.volume, 0);
     EXPECT_FALSE(carver.is_done(assessment));
-    erase(sample_, carver.next_removal(sample_, assessment, true));
-    assessment = carver.assess(sample_);
+    erase(sample, carver.next_removal(sample, assessment, true));
+    assessment = carver.assess(sample);
     EXPECT_NEAR(assessment.volume / assessment.target, 0.8, 0.03);
     for (int k = 0; k < 4 && !carver.is_done(assessment); ++k) {
         const double before = assessment.volume;
-        erase(sample_, carver.next_removal(sample_, assessment, false));
-        assessment = carver.assess(sample_);
+        erase(sample, carver.next_removal(sample, assessment, false));
+        assessment = carver.assess(sample);
         EXPECT_GT(assessment.volume, before);
     }
     EXPECT_TRUE(carver.is_done(assessment));
@@ -58,13 +58,13 @@ TEST_F(Carve, ReachesTheVolumeFromBelowInASampleThatDoesNotMove) {
 }
 
 TEST_F(Carve, TakesTheInnermostParticlesFirst) {
-    Carver carver(ball(5), sample_, {});
-    carver.measure_density(sample_);
-    const auto places = carver.next_removal(sample_, carver.assess(sample_), true);
+    Carver carver(ball(5), sample, {});
+    carver.measure_density(sample);
+    const auto places = carver.next_removal(sample, carver.assess(sample), true);
     EXPECT_TRUE(std::is_sorted(places.begin(), places.end()));
     double farthest = 0, nearest_left = 1e300;
-    for (std::size_t i = 0; i < sample_.size(); ++i) {
-        const double radius = (sample_.position[i] - middle_).norm();
+    for (std::size_t i = 0; i < sample.size(); ++i) {
+        const double radius = (sample.position[i] - middle).norm();
         if (std::binary_search(places.begin(), places.end(), i))
             farthest = std::max(farthest, radius);
         else
@@ -74,52 +74,52 @@ TEST_F(Carve, TakesTheInnermostParticlesFirst) {
 }
 
 TEST_F(Carve, MasksOpenPoresOnceAndDoesNotJudgeThem) {
-    Carver carver(image([&](const Vec3& p) { return (p - middle_).norm() < 4 || p.norm() < 5; }), sample_,
+    Carver carver(image([&](const Vec3& p) { return (p - middle).norm() < 4 || p.norm() < 5; }), sample,
                   {.judged_across = 6});
-    carver.measure_density(sample_);
-    Assessment assessment = carver.assess(sample_);
+    carver.measure_density(sample);
+    Assessment assessment = carver.assess(sample);
     EXPECT_EQ(assessment.judged, 1);
     EXPECT_NEAR(assessment.target, 4.0 / 3 * 3.14159 * 64, 5);
-    erase(sample_, carver.next_removal(sample_, assessment, true));
-    for (const Vec3& point : sample_.position) EXPECT_GT(point.norm(), 4.7);
-    sample_.position[0] = Vec3(1, 1, 1);
-    assessment = carver.assess(sample_);
-    const auto places = carver.next_removal(sample_, assessment, false);
+    erase(sample, carver.next_removal(sample, assessment, true));
+    for (const Vec3& point : sample.position) EXPECT_GT(point.norm(), 4.7);
+    sample.position[0] = Vec3(1, 1, 1);
+    assessment = carver.assess(sample);
+    const auto places = carver.next_removal(sample, assessment, false);
     EXPECT_FALSE(std::binary_search(places.begin(), places.end(), std::size_t(0)));
 }
 
 TEST_F(Carve, DoesNotDependOnTheNumberOfThreads) {
     const auto is_void = [&](const Vec3& p) {
-        return (p - middle_ - Vec3(2.4, 0, 0)).norm() < 2.6 || (p - middle_ + Vec3(3, 0, 0)).norm() < 2.2;
+        return (p - middle - Vec3(2.4, 0, 0)).norm() < 2.6 || (p - middle + Vec3(3, 0, 0)).norm() < 2.2;
     };
-    Carver one(image(is_void), sample_, {.threads = 1}), three(image(is_void), sample_, {.threads = 3});
-    one.measure_density(sample_);
-    three.measure_density(sample_);
-    const auto places = one.next_removal(sample_, one.assess(sample_), true);
-    EXPECT_EQ(places, three.next_removal(sample_, three.assess(sample_), true));
-    erase(sample_, places);
-    EXPECT_EQ(table_of({row_of(one.assess(sample_), 1, 2, 3)}), table_of({row_of(three.assess(sample_), 1, 2, 3)}));
+    Carver one(image(is_void), sample, {.threads = 1}), three(image(is_void), sample, {.threads = 3});
+    one.measure_density(sample);
+    three.measure_density(sample);
+    const auto places = one.next_removal(sample, one.assess(sample), true);
+    EXPECT_EQ(places, three.next_removal(sample, three.assess(sample), true));
+    erase(sample, places);
+    EXPECT_EQ(table_of({row_of(one.assess(sample), 1, 2, 3)}), table_of({row_of(three.assess(sample), 1, 2, 3)}));
 }
 
 TEST_F(Carve, RefusesAnImageOfAnotherSize) {
-    EXPECT_THAT(([&] { Carver(image([&](const Vec3& p) { return (p - middle_).norm() < 3; }, 1.5), sample_, {}); }),
+    EXPECT_THAT(([&] { Carver(image([&](const Vec3& p) { return (p - middle).norm() < 3; }, 1.5), sample, {}); }),
                 ThrowsMessage<InvalidInput>(HasSubstr("do not lie over each other")));
 }
 
 TEST_F(Carve, RefusesAnImageWithOpenPoresAlone) {
-    EXPECT_THAT([&] { Carver(image([](const Vec3& p) { return p.norm() < 5; }), sample_, {}); },
+    EXPECT_THAT([&] { Carver(image([](const Vec3& p) { return p.norm() < 5; }), sample, {}); },
                 ThrowsMessage<InvalidInput>(HasSubstr("there is no closed pore")));
 }
 
 TEST_F(Carve, RefusesAPoreOutsideTheParticles) {
-    for (Vec3& point : sample_.position) point[2] *= 0.4;
-    EXPECT_THAT([&] { Carver(ball(4), sample_, {}); },
+    for (Vec3& point : sample.position) point[2] *= 0.4;
+    EXPECT_THAT([&] { Carver(ball(4), sample, {}); },
                 ThrowsMessage<InvalidInput>(HasSubstr("outside the particles of the sample")));
 }
 
 TEST_F(Carve, KeepsItsRowsAsNumbers) {
-    Carver carver(ball(5), sample_, {});
-    CarveRow row = row_of(carver.assess(sample_), 3, 4000, 12);
+    Carver carver(ball(5), sample, {});
+    CarveRow row = row_of(carver.assess(sample), 3, 4000, 12);
     row.periods = 7;
     row.force_balance = 1e-4;
     EXPECT_EQ(table_of(rows_of(numbers_of({row, row}))), table_of({row, row}));

@@ -53,14 +53,15 @@ cli::Usage usage(Request& request) {
             "Close the mouth of a pore that a ball of this radius cannot enter from outside; the default is half of "
             "the sample's shortest edge. With two-probes, it is the radius of the large probe; the default is five "
             "particle diameters.")
-        .flag("--closed-only", request.closed_only, "Measure only pores without a mouth; no lids are used.")
+        .flag("--closed-only", request.closed_only,
+              "Measure only closed pores, those without an opening to the outside of the sample.")
         .option("--min-pore", request.min_pore, cli::Unit::none, cli::not_negative,
                 "Leave out pores of less than the volume of this many particles.")
         .option("--closed-frame", request.closed_frame, cli::Unit::none, {.low = 0},
                 "With two-probes, subtract the difference of this frame, in which all pores are closed.")
         .option("--min-outward", request.min_outward, cli::Unit::length, cli::positive,
-                "With outward-vectors, take the particles whose outward vector is longer than this (N_mag of the "
-                "thesis); the default is 4.6 seed radii.")
+                "With --method outward-vectors, length from which the outward vector of a particle (minus the sum of "
+                "the vectors to its neighbours) marks it as next to a pore; the default is 4.6 seed radii.")
         .exclusive({"--closed-only", "--lid-radius"})
         .threads()
         .step(cli::Step::measure)

@@ -31,7 +31,8 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage{"topology",
-                      "Parts, handles and pores of a sample through a run, and the events that change them."}
+                      "Numbers of separate parts, handles (holes right through a part) and closed pores through a run, "
+                      "and the events that change them, such as merging and splitting."}
         .input("RUN", request.run, "Run (.h5) to measure.")
         .output("TABLE", request.table, "Table to write, with one row for each frame.", {".csv"})
         .output_option("--events", request.events, "Also write one row for each event.", {".csv"})

@@ -28,7 +28,7 @@ cli::Usage usage(Request& request) {
         .output("TABLE", request.table, "Table to write, with the rate, flow stress and fit of each run.", {".csv"})
         .option("--at", request.at, cli::Unit::strain, cli::positive, "Measure the flow stress at this |strain|.")
         .option("--window", request.window, cli::Unit::strain, cli::positive,
-                "Take the mean over |strain| within this distance of --at as the flow stress.")
+                "Half-width of the window of |strain| around --at; the flow stress is the mean stress in this window.")
         .step(cli::Step::measure)
         .example("norton_fit slow.h5 middle.h5 fast.h5 norton.csv --at 0.3");
 }

@@ -22,7 +22,10 @@ struct Request {
 cli::Usage usage(Request& request) {
     return cli::Usage{"equilibrium", "Equilibrium error of a run: |F_top + F_bottom| / mean |F|."}
         .input("RUN", request.run, "Run (.h5) whose forces are compared.")
-        .output("TABLE", request.table, "Table to write, with one row for each point of the curve.", {".csv"})
+        .output("TABLE", request.table,
+                "Table to write, with the forces on the two planes and the equilibrium error at each recorded "
+                "strain.",
+                {".csv"})
         .option("--averaging-strain", request.averaging_strain, cli::Unit::strain, cli::not_negative,
                 "Average each force over a sliding window of this width before the two are compared; 0 does not "
                 "average.")

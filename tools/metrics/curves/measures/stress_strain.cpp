@@ -26,7 +26,7 @@ cli::Usage usage(Request& request) {
                 "Measure the flow stress at this |strain|. Without the option, a run that ends before the default "
                 "value has no flow stress.")
         .option("--window", request.window, cli::Unit::strain, cli::positive,
-                "Take the mean over |strain| within this distance of --at as the flow stress.")
+                "Half-width of the window of |strain| around --at; the flow stress is the mean stress in this window.")
         .step(cli::Step::measure)
         .measure({.heading = "Stress and strain",
                   .results = {{"flow_stress", "flow stress", "MPa", 1e-6},

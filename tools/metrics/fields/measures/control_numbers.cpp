@@ -32,16 +32,20 @@ struct Request {
 
 cli::Usage usage(Request& request) {
     return cli::Usage{"control_numbers",
-                      "Control numbers of a run: density, stiffness level, inertial number, Q, E_k / E_p."}
+                      "Dimensionless numbers that show how close the flow of a run is to equilibrium: density, "
+                      "stiffness level, inertial number, and the kinetic energy relative to stress (Q) and to elastic "
+                      "energy."}
         .input("RUN", request.run, "Run (.h5) written by solve.")
         .output("TABLE", request.table,
                 "Table to write, with one row of all particles and one of each phase for each frame.", {".csv"})
         .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
         .option("--averaging-strain", request.averaging_strain, cli::Unit::strain, cli::not_negative,
-                "Average the energies over a window of strain of this width; 0 does not average. The solver has "
-                "already averaged the forces.")
+                "Average the energies over a sliding window of strain of this width; 0 does not average. It does not "
+                "apply to the forces, which solve averages.")
         .output_option("--curve", request.curve,
-                       "Also write the numbers at every point of the run's curves, without the density.", {".csv"})
+                       "Also write the numbers at every recorded strain, not only at the frames; the density, which "
+                       "needs a frame, is left out.",
+                       {".csv"})
         .threads()
         .step(cli::Step::measure)
         .measure({.heading = "Control numbers of the packing",
