@@ -112,8 +112,10 @@ int main(int argc, char** argv) {
         std::fflush(stdout);
     };
     row("alpha_surface", ours);
-    for (const auto& [name, mode] : {std::pair("Alpha_shape_3, regularized", Shape::REGULARIZED),
-                                     std::pair("Alpha_shape_3, general", Shape::GENERAL)})
+    const auto theirs = [&](const char* name, Shape::Mode mode) {
         row(name, measured([&] { return volume_by_alpha_shape_3(centres, probe_radius, mode); }));
+    };
+    theirs("Alpha_shape_3, regularized", Shape::REGULARIZED);
+    theirs("Alpha_shape_3, general", Shape::GENERAL);
     return 0;
 }

@@ -46,12 +46,14 @@ int main(int argc, char** argv) {
                 const ImagePores pores = find_pores(image, seed_radius, 1, 4, 1);
                 std::vector<Vec3> centres;
                 const int copies = static_cast<int>(std::ceil(2 * half / edge)) + 1;
-                for (int a = 0; a < copies * copies * copies; ++a)
+                for (int a = 0; a < copies * copies * copies; ++a) {
+                    const int row = a / copies, layer = row / copies;
                     for (const Vec3& point : brick.position) {
-                        const Vec3 there = point + edge * Vec3(a % copies, a / copies % copies, a / copies / copies);
+                        const Vec3 there = point + edge * Vec3(a % copies, row % copies, layer);
                         const double apart = (there - centre).norm();
                         if (apart >= across / 2 && apart < across / 2 + 4) centres.push_back(there);
                     }
+                }
                 const auto belongs = [&](const Vec3& point) { return (point - centre).norm() < across / 2 + 2; };
                 const double truth = std::numbers::pi / 6 * std::pow(across, 3);
                 const PoreMeasure shape = measure_pore(centres, pores.pores[0].distance, belongs, matter);

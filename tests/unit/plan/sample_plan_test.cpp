@@ -11,7 +11,6 @@
 namespace tomodem::plan {
 namespace {
 
-using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Pair;
