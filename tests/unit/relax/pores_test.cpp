@@ -23,7 +23,8 @@ TEST(SquaredDistances, AreThoseOfAllPairsOnUnequalSpacings) {
     for (std::size_t i = 0; i < set.size(); ++i) set[i] = random() % 40 == 0;
     const std::vector<float> found = squared_distances(set, size, spacing);
     const auto point = [&](std::size_t i) -> Vec3 {
-        return spacing.cwiseProduct(Vec3(double(i % 9), double(i / 9 % 7), double(i / 63)));
+        const std::size_t row = i / 9, layer = row / 7;
+        return spacing.cwiseProduct(Vec3(double(i % 9), double(row % 7), double(layer)));
     };
     for (std::size_t i = 0; i < set.size(); ++i) {
         double nearest = 1e300;
