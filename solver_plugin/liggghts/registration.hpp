@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+// NOLINTNEXTLINE(readability-identifier-naming): the name is LIGGGHTS'.
 namespace LAMMPS_NS {
 class LAMMPS;
 }

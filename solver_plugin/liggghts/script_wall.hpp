@@ -1,5 +1,6 @@
 #pragma once
 
+// NOLINTNEXTLINE(readability-identifier-naming): the name is LIGGGHTS'.
 namespace LAMMPS_NS {
 class LAMMPS;
 }
