@@ -22,12 +22,14 @@ struct Hole {
     std::vector<Vec3> around(const Vec3& centre, double radius, double shell) const {
         const double edge = brick.box.edges[0];
         std::vector<Vec3> centres;
-        for (int a = 0; a < 27; ++a)
+        for (int a = 0; a < 27; ++a) {
+            const int row = a / 3, layer = row / 3;
             for (const Vec3& point : brick.position) {
-                const Vec3 there = point + edge * Vec3(a % 3, a / 3 % 3, a / 9);
+                const Vec3 there = point + edge * Vec3(a % 3, row % 3, layer);
                 const double apart = (there - centre).norm();
                 if (apart >= radius && apart < radius + shell) centres.push_back(there);
             }
+        }
         return centres;
     }
 };

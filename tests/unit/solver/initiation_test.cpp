@@ -18,7 +18,8 @@ Packing loose_lattice() {
     packing.seed_radius = 0.5;
     packing.box.edges = Vec3::Constant(15);
     for (int i = 0; i < 125; ++i) {
-        packing.position.push_back(3 * Vec3(i % 5, (i / 5) % 5, i / 25));
+        const int row = i / 5, layer = row / 5;
+        packing.position.push_back(3 * Vec3(i % 5, row % 5, layer));
         packing.species.push_back(1);
         packing.id.push_back(i + 1);
     }

@@ -70,10 +70,10 @@ NortonFit norton_fit(std::span<const double> rate, std::span<const double> stres
     if (n > 2) {
         const double t = student_t(0.95, int(n) - 2);
         const double deviation = std::sqrt(squares / double(n - 2));
-        const double half_M = t * deviation / std::sqrt(xx);
-        const double half_K = t * deviation * std::sqrt(1.0 / double(n) + mean_x * mean_x / xx);
-        fit.M_interval = {fit.M - half_M, fit.M + half_M};
-        fit.K_interval = {std::exp(intercept - half_K), std::exp(intercept + half_K)};
+        const double half_width_m = t * deviation / std::sqrt(xx);
+        const double half_width_log_k = t * deviation * std::sqrt(1.0 / double(n) + mean_x * mean_x / xx);
+        fit.M_interval = {fit.M - half_width_m, fit.M + half_width_m};
+        fit.K_interval = {std::exp(intercept - half_width_log_k), std::exp(intercept + half_width_log_k)};
     }
     return fit;
 }
