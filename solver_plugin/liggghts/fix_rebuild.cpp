@@ -20,10 +20,10 @@ void FixRebuild::initial_integrate(int) {
 void FixRebuild::post_integrate() {
     const double limit = 0.25 * neighbor->skin * neighbor->skin;
     const auto count = static_cast<std::size_t>(atom->nlocal);
-    const double* const x = count > 0 ? atom->x[0] : nullptr;
     double farthest = 0;
-    for (std::size_t i = 0; i < 3 * count; i += 3) {
-        const double way[3] = {x[i] - built_at_[i], x[i + 1] - built_at_[i + 1], x[i + 2] - built_at_[i + 2]};
+    for (std::size_t i = 0; i < count; ++i) {
+        const double *const x = atom->x[i], *const built = built_at_.data() + 3 * i;
+        const double way[3] = {x[0] - built[0], x[1] - built[1], x[2] - built[2]};
         farthest = std::max(farthest, way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
     }
     const int mine = farthest > limit ? 1 : 0;
