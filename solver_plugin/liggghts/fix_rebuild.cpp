@@ -22,7 +22,8 @@ void FixRebuild::post_integrate() {
     const auto count = static_cast<std::size_t>(atom->nlocal);
     double farthest = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        const double *const x = atom->x[i], *const built = built_at_.data() + 3 * i;
+        const double* const x = atom->x[i];
+        const auto* const built = built_at_.data() + 3 * i;
         const double way[3] = {x[0] - built[0], x[1] - built[1], x[2] - built[2]};
         farthest = std::max(farthest, way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
     }
