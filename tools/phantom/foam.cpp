@@ -225,8 +225,8 @@ Foam draw_foam(const std::vector<Strut>& struts, VoxelIndex size, double voxel_s
         foam.removed_voxels = std::reduce(components.voxels.begin(), components.voxels.end()) - *largest;
         if (static_cast<double>(foam.removed_voxels) > 0.1 * static_cast<double>(foam.solid_voxels))
             throw InvalidInput(
-                fmt::format("struts of {:.2g} voxels radius do not hold together; ask for fewer cells, more "
-                            "voxels or a higher density",
+                fmt::format("struts of {:.2g} voxels radius do not hold together; ask for a higher density, or for "
+                            "fewer and so thicker ones (--cells, --fibres)",
                             foam.strut_radius / voxel_size));
         for (std::int32_t k = 0; foam.removed_voxels > 0 && k < size[2]; k += LabelVolume::slab) {
             const std::int32_t count = std::min(LabelVolume::slab, size[2] - k);

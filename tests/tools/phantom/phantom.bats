@@ -58,7 +58,7 @@ PYTHON
 
 @test "the same random seed gives the same bytes, another one another phantom" {
     for kind in "inclusions --fraction 0.2 --count 9" "pores --porosity 0.02 --median-diameter 15um" \
-        "foam --relative-density 0.15 --cells 2"; do
+        "foam --relative-density 0.15 --cells 2" "fibres --relative-density 0.2"; do
         set -- $kind
         tool=$TOMODEM_BIN/phantom_$1
         shift
@@ -69,6 +69,42 @@ PYTHON
         cmp one/a.tif two/a.tif
         ! cmp -s one/a.tif other.tif
     done
+}
+
+@test "phantom_fibres has its relative density within 0.2 points, in one piece" {
+    "$TOMODEM_BIN/phantom_fibres" a.tif --size 100 --voxel-size 4um --relative-density 0.15
+    info a.tif
+    /usr/bin/python3 - <<'PYTHON'
+import json
+info, truth = json.load(open("info.json")), json.load(open("a.json"))
+assert abs(info["fraction_label_1"] - 15) < 0.2
+assert info["components_label_1"] == truth["solid_components"] == 1
+# 40 fibres through the cube, of which those that cross share voxels: the radius is at least that of separate ones.
+assert truth["fibre_radius_voxels"] > (0.15 * 100**2 / (40 * 3.1416)) ** 0.5
+PYTHON
+}
+
+@test "phantom_scan gives each label its grey value, and noise and shading of the size asked for" {
+    "$TOMODEM_BIN/phantom_foam" labels.tif --size 60 --voxel-size 7um --relative-density 0.2 --cells 1
+    "$TOMODEM_BIN/phantom_scan" labels.tif plain.tif --grey 60,180 --noise 0
+    "$TOMODEM_BIN/phantom_scan" labels.tif noisy.tif --grey 60,180 --noise 12
+    "$TOMODEM_BIN/phantom_scan" labels.tif shaded.tif --grey 60,180 --noise 0 --shading 0.5
+    /usr/bin/python3 - <<'PYTHON'
+import numpy as np
+from PIL import Image, ImageSequence
+labels, plain, noisy, shaded = (np.array([np.array(page) for page in ImageSequence.Iterator(Image.open(f"{name}.tif"))])
+                                for name in ("labels", "plain", "noisy", "shaded"))
+assert (plain == np.where(labels == 1, 180, 60)).all()
+noise = noisy.astype(float) - plain
+assert abs(noise.std() - 12) < 0.2 and abs(noise.mean()) < 0.2, (noise.std(), noise.mean())
+assert (shaded[:, :, 0] == plain[:, :, 0]).all() and (shaded[:, :, -1] == plain[:, :, -1] // 2).all()
+PYTHON
+    # The voxel size goes with it, and Otsu's threshold finds the labels again.
+    "$TOMODEM_BIN/volume_info" plain.tif --otsu 1 --json scan.json --quiet
+    "$TOMODEM_BIN/volume_info" labels.tif --json labels.json --quiet
+    /usr/bin/python3 -c 'import json
+scan, labels = json.load(open("scan.json")), json.load(open("labels.json"))
+assert scan["voxels_label_1"] == labels["voxels_label_1"] and scan["voxel_size_x"] == labels["voxel_size_x"] == 7, scan'
 }
 
 @test "--truth names the file of the truth" {
@@ -96,5 +132,11 @@ refused() {
     refused 2 "--size" "$TOMODEM_BIN/phantom_inclusions" a.tif --size 10x10 --voxel-size 1um --count 3 --diameter 5um
     refused 1 "do not hold together" "$TOMODEM_BIN/phantom_foam" a.tif --size 40 --voxel-size 1um --relative-density 0.01 \
         --cells 4 --quiet
+    # Fibres in planes meet only those at their own height.
+    refused 1 "do not hold together" "$TOMODEM_BIN/phantom_fibres" a.tif --size 60 --voxel-size 4um --relative-density 0.1 \
+        --fibres 6 --out-of-plane 0 --quiet
+    "$TOMODEM_BIN/phantom_inclusions" two.tif --size 20 --voxel-size 1um --count 1 --diameter 9um --quiet
+    refused 1 "label 2 of the volume has no grey value" "$TOMODEM_BIN/phantom_scan" two.tif a.tif --grey 60,180
+    refused 2 "--grey" "$TOMODEM_BIN/phantom_scan" two.tif a.tif --grey 60,high
     refused 2 "must end in .tif" "$TOMODEM_BIN/phantom_foam" a.json --voxel-size 1um --relative-density 0.1
 }
