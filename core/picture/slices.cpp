@@ -10,14 +10,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/error.hpp"
 #include "core/base/output_file.hpp"
 
 namespace tomodem {
 namespace {
-
-constexpr Colour white{255, 255, 255};
 
 /// A slice across `axis`, coloured by colour(x, y, z).
 template <class ColourOf>
@@ -126,16 +125,22 @@ std::array<double, 2> grey_window(const GreyVolume& volume) {
 }
 
 Panel histogram_panel(const GreyVolume& volume, const std::string& caption, const std::array<double, 2>& window) {
-    constexpr int columns = 256, rows = 100;
+    constexpr int max_columns = 256, rows = 100;
+    // Of whole numbers a column holds the same number of values as its neighbours.
+    const bool whole = volume.stored_type() != VoxelType::float32;
+    const double range = window[1] - window[0] + (whole ? 1 : 0);
+    const double of_a_column = whole ? std::ceil(range / max_columns) : range / max_columns;
+    const int columns = static_cast<int>(std::ceil(range / of_a_column));
     std::vector<std::int64_t> counts(columns);
     for (const float value : volume.values) {
-        const double share = (value - window[0]) / (window[1] - window[0]);
-        if (share >= 0 && share <= 1)
-            ++counts[static_cast<std::size_t>(std::min(columns - 1.0, std::floor(share * columns)))];
+        const double place = ((whole ? std::round(double{value}) : double{value}) - window[0]) / of_a_column;
+        if (place >= 0 && place <= columns)
+            ++counts[static_cast<std::size_t>(std::min(columns - 1.0, std::floor(place)))];
     }
     const double highest =
         std::log1p(static_cast<double>(std::max<std::int64_t>(1, *std::max_element(counts.begin(), counts.end()))));
-    Panel panel{caption, columns, rows, 1, std::vector<Colour>(std::size_t{columns} * rows, Colour{235, 235, 235})};
+    Panel panel{caption, columns, rows, columns / (2.5 * rows),
+                std::vector<Colour>(static_cast<std::size_t>(columns) * rows, Colour{235, 235, 235})};
     for (int column = 0; column < columns; ++column) {
         const int height =
             static_cast<int>(std::lround(rows * std::log1p(static_cast<double>(counts[column])) / highest));
@@ -153,33 +158,39 @@ Colour colour_of_object(std::int32_t number) {
 }
 
 void write_panels(const std::vector<std::vector<Panel>>& rows, const std::filesystem::path& picture) {
-    constexpr int gap = 12, line = 22;
-    constexpr double panel_width = 480;
-    int widest = 1;
-    for (const auto& row : rows)
-        for (const Panel& panel : row) widest = std::max(widest, panel.width);
-    const double scale = panel_width / widest;
-    const auto pixels = [&](double points) { return std::max(1, static_cast<int>(std::lround(points * scale))); };
-    const auto row_height = [&](const std::vector<Panel>& row) {
+    constexpr int gap = 12, line = 22, panel_width = 480, max_height = 720;
+    /// Pixels of the panels of one row, which have one scale.
+    struct Row {
+        std::vector<std::array<int, 2>> sizes;
         int height = 0;
-        for (const Panel& panel : row) height = std::max(height, pixels(panel.height * panel.stretch));
-        return height + line + gap;
     };
-    int width = gap, height = gap;
-    for (const auto& row : rows) {
-        width = std::max(width, gap + static_cast<int>(row.size()) * (static_cast<int>(panel_width) + gap));
-        height += row_height(row);
-    }
-    Page page(width, height);
-    int y = gap;
-    for (const auto& row : rows) {
-        int x = gap;
-        for (const Panel& panel : row) {
-            page.write_text(panel.caption, x, y);
-            page.draw(panel, x, y + line, pixels(panel.width), pixels(panel.height * panel.stretch));
-            x += static_cast<int>(panel_width) + gap;
+    std::vector<Row> drawn;
+    std::size_t columns = 0;
+    int height = gap;
+    for (const auto& panels : rows) {
+        double scale = std::numeric_limits<double>::infinity();
+        for (const Panel& panel : panels)
+            scale = std::min({scale, double{panel_width} / panel.width, max_height / (panel.height * panel.stretch)});
+        const auto pixels = [&](double points) { return std::max(1, static_cast<int>(std::lround(points * scale))); };
+        Row row;
+        for (const Panel& panel : panels) {
+            row.sizes.push_back({pixels(panel.width), pixels(panel.height * panel.stretch)});
+            row.height = std::max(row.height, row.sizes.back()[1]);
         }
-        y += row_height(row);
+        columns = std::max(columns, panels.size());
+        height += row.height + line + gap;
+        drawn.push_back(std::move(row));
+    }
+    Page page(gap + static_cast<int>(columns) * (panel_width + gap), height);
+    int y = gap;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        int x = gap;
+        for (std::size_t i = 0; i < rows[r].size(); ++i) {
+            page.write_text(rows[r][i].caption, x, y);
+            page.draw(rows[r][i], x, y + line, drawn[r].sizes[i][0], drawn[r].sizes[i][1]);
+            x += panel_width + gap;
+        }
+        y += drawn[r].height + line + gap;
     }
     page.save(picture);
 }

@@ -36,7 +36,7 @@ Panel histogram_panel(const GreyVolume& volume, const std::string& caption, cons
 /// A colour for each number from 1 on, far from those of the numbers beside it.
 Colour colour_of_object(std::int32_t number);
 
-/// Draws panels in rows on a white page, all at one scale, as a PNG (atomically).
+/// Draws panels in rows on a white page, each row at its scale, as a PNG (atomically).
 /// @throws InvalidInput if it cannot be written
 void write_panels(const std::vector<std::vector<Panel>>& rows, const std::filesystem::path& picture);
 

@@ -279,7 +279,7 @@ LabelledImage read_image(const std::string& spec, const VolumeOptions& options, 
     if (is_float(header.type) && !grey)
         throw InvalidInput(
             fmt::format("cannot read volume '{}': it holds floating-point grey values; give --threshold or "
-                        "--otsu",
+                        "--otsu (grey_histogram shows where it cuts)",
                         spec));
 
     GreySlabs slabs(*source, region, options.bin, threads);

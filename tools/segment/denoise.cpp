@@ -16,7 +16,7 @@ struct Request {
     VolumeRequest volume;
     std::filesystem::path filtered, picture;
     std::int64_t median = 0, diffusion = 0;
-    double edge = 1.0;
+    double edge = 2.0;
 };
 
 cli::Usage usage(Request& request) {
@@ -24,7 +24,7 @@ cli::Usage usage(Request& request) {
     add_grey_volume(usage, request.volume)
         .output("FILTERED", request.filtered,
                 "Grey volume to write: of the type of VOLUME up to 16 bits, else 32-bit floats.", {".tif", ".tiff"})
-        .option("--median", request.median, cli::Unit::voxels, {1, 10},
+        .option("--median", request.median, cli::Unit::voxels, {1, 5},
                 "Give each voxel the median of the box that reaches this far along each axis.")
         .option("--diffusion", request.diffusion, cli::Unit::steps, {1, 1000},
                 "Smooth by this number of steps of anisotropic diffusion, which stops at edges.")
@@ -35,7 +35,7 @@ cli::Usage usage(Request& request) {
         .output_option("--picture", request.picture,
                        "Picture to write: middle slice and histogram of the grey values, before and after.", {".png"})
         .example("denoise grey.tif quiet.tif --voxel-size 3um --median 1 --picture quiet.png")
-        .example("denoise scan.h5 quiet.tif --diffusion 10 --edge 2")
+        .example("denoise scan.h5 quiet.tif --diffusion 10")
         .step(cli::Step::image);
     return usage;
 }

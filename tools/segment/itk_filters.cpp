@@ -100,8 +100,11 @@ Watershed watershed(std::vector<std::uint8_t> outside, const VoxelIndex& size, c
     use_threads(threads);
     const auto progress = reporter.progress("watershed", 1);
 
+    // In edges of a voxel, so that distances which are equal are equal in floating point too, whatever the edge.
+    const Vec3 edges = spacing / spacing[0];
+    const auto depth = static_cast<float>(min_depth / spacing[0]);
     const auto distance = itk::SignedMaurerDistanceMapImageFilter<Mask, Grey>::New();
-    distance->SetInput(view<Mask>(outside, size, spacing));
+    distance->SetInput(view<Mask>(outside, size, edges));
     distance->SetSquaredDistance(false);
     distance->SetUseImageSpacing(true);
     distance->SetInsideIsPositive(false);
@@ -109,7 +112,7 @@ Watershed watershed(std::vector<std::uint8_t> outside, const VoxelIndex& size, c
     const Grey::Pointer map = distance->GetOutput();
     map->DisconnectPipeline();
     // Outside lies far below every part of the phase, however thin: no maximum reaches through it into another part.
-    const auto far_below = static_cast<float>(-(min_depth + spacing.maxCoeff()) - 1e3 * spacing.sum());
+    const auto far_below = static_cast<float>(-depth - 1e3 * edges.sum());
     float* const value = map->GetBufferPointer();
     for (std::size_t i = 0; i < outside.size(); ++i)
         if (outside[i] != 0) value[i] = far_below;
@@ -119,7 +122,7 @@ Watershed watershed(std::vector<std::uint8_t> outside, const VoxelIndex& size, c
     {
         const auto deep = itk::HMaximaImageFilter<Grey, Grey>::New();
         deep->SetInput(map);
-        deep->SetHeight(static_cast<float>(min_depth));
+        deep->SetHeight(depth);
         run(*deep, *progress, 0.1, 0.3);
         const auto maxima = itk::RegionalMaximaImageFilter<Grey, Mask>::New();
         maxima->SetInput(deep->GetOutput());
@@ -131,7 +134,7 @@ Watershed watershed(std::vector<std::uint8_t> outside, const VoxelIndex& size, c
         seeds = numbered->GetOutput();
         seeds->DisconnectPipeline();
     }
-    std::transform(value, value + outside.size(), value, [](float depth) { return -depth; });
+    std::transform(value, value + outside.size(), value, [](float level) { return -level; });
     const auto flooded = itk::MorphologicalWatershedFromMarkersImageFilter<Grey, Parts>::New();
     flooded->SetInput1(map);
     flooded->SetInput2(seeds);

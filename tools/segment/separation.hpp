@@ -12,7 +12,7 @@ namespace tomodem::segment {
 struct SeparatedLabel {
     std::int32_t label = 0;
     std::int32_t first = 0;            ///< label of its first object; the others follow
-    std::vector<std::int64_t> voxels;  ///< of each object
+    std::vector<std::int64_t> voxels = {};  ///< of each object
     std::int64_t components = 0;       ///< connected components (by faces) that the label had
     std::int64_t components_cut = 0;   ///< of these, those that are more than one object now
     std::int64_t joined = 0;           ///< parts below the smallest size that became part of an object beside them

@@ -5,17 +5,18 @@ bats_require_minimum_version 1.5.0
 setup() {
     cd "$BATS_TEST_TMPDIR" || return 1
     PATH=$TOMODEM_BIN:$PATH
+    export PYTHONPATH=$TOMODEM_SOURCE/tests/tools/segment
     # Two phases of a phantom as grey values 90 and 150, with noise of standard deviation 30.
     phantom_grains truth.tif --size 60x56x50 --voxel-size 4um --fraction 0.4 --count 12 --quiet
     /usr/bin/python3 - <<'PYTHON'
 import numpy as np
-from tifffile import imread, imwrite
+from voxels import read, write
 random = np.random.default_rng(3)
-truth = imread("truth.tif")
+truth = read("truth.tif")
 noisy = 90.0 + 60 * truth + random.normal(0, 30, truth.shape)
-imwrite("grey.tif", noisy.round().clip(0, 255).astype(np.uint8))
-imwrite("grey16.tif", (200 * noisy).round().clip(0, 65535).astype(np.uint16))
-imwrite("float.tif", noisy.astype(np.float32))
+write("grey.tif", noisy.round().clip(0, 255).astype(np.uint8))
+write("grey16.tif", (200 * noisy).round().clip(0, 65535).astype(np.uint16))
+write("float.tif", noisy.astype(np.float32))
 PYTHON
 }
 
@@ -27,12 +28,12 @@ PYTHON
     /usr/bin/python3 - <<'PYTHON'
 import numpy as np
 from scipy.ndimage import median_filter
-from tifffile import imread
+from voxels import read
 for name in "grey", "grey16", "float":
-    before, after = imread(f"{name}.tif"), imread(f"median_{name}.tif")
+    before, after = read(f"{name}.tif"), read(f"median_{name}.tif")
     assert before.dtype == after.dtype
     assert (after == median_filter(before, 3, mode="nearest")).all(), name
-assert (imread("wide.tif") == median_filter(imread("grey.tif"), 5, mode="nearest")).all()
+assert (read("wide.tif") == median_filter(read("grey.tif"), 5, mode="nearest")).all()
 PYTHON
     volume_info wide.tif --otsu 1 | grep -q "voxels of 4 x 4 x 4 um, from the file"
     /usr/bin/python3 -c '
@@ -41,37 +42,37 @@ said = json.loads(tifffile.TiffFile("wide.tif").pages[0].description)
 assert said["origin_mm"] == [1, 2, 3], said'
 }
 
-@test "after Otsu's threshold fewer voxels are wrong: from 16 % to below 2 %" {
+@test "after Otsu's threshold fewer voxels are wrong: from 17 % to 2 and 1 %" {
     denoise grey.tif median.tif --voxel-size 4um --median 1 --picture median.png
-    denoise grey.tif diffusion.tif --voxel-size 4um --diffusion 15 --edge 2
+    denoise grey.tif diffusion.tif --voxel-size 4um --diffusion 10
     separate() { separate_objects "$1" labels_"$1" --otsu 1 "${@:2}" --min-depth 1mm --quiet; }
     separate grey.tif --voxel-size 4um
     separate median.tif
     separate diffusion.tif
     /usr/bin/python3 - <<'PYTHON'
 import numpy as np
-from tifffile import imread
-truth = imread("truth.tif") > 0
-wrong = {name: 100 * np.mean((imread(f"labels_{name}.tif") > 0) != truth) for name in ("grey", "median", "diffusion")}
+from voxels import read
+truth = read("truth.tif") > 0
+wrong = {name: 100 * np.mean((read(f"labels_{name}.tif") > 0) != truth) for name in ("grey", "median", "diffusion")}
 print(wrong)
-assert wrong["grey"] > 14
-assert wrong["median"] < 4 and wrong["diffusion"] < 2
+assert wrong["grey"] > 15
+assert wrong["median"] < 2.5 and wrong["diffusion"] < 1.5
 PYTHON
 }
 
 @test "diffusion keeps the mean, and keeps an edge that a mean of the same strength blurs" {
     /usr/bin/python3 - <<'PYTHON'
 import numpy as np
-from tifffile import imwrite
+from voxels import write
 random = np.random.default_rng(5)
 step = np.where(np.arange(40) < 20, 50.0, 200.0) + random.normal(0, 5, (30, 30, 40))
-imwrite("step.tif", step.astype(np.float32))
+write("step.tif", step.astype(np.float32))
 PYTHON
     denoise step.tif smooth.tif --voxel-size 1um --diffusion 20
     /usr/bin/python3 - <<'PYTHON'
 import numpy as np
-from tifffile import imread
-before, after = imread("step.tif"), imread("smooth.tif")
+from voxels import read
+before, after = read("step.tif"), read("smooth.tif")
 assert abs(before.mean() - after.mean()) < 0.05
 assert after[:, :, :15].std() < 0.4 * before[:, :, :15].std()
 jump = after[:, :, 20].mean() - after[:, :, 19].mean()
@@ -95,9 +96,9 @@ PYTHON
     refused 1 "give it with --voxel-size" denoise grey.tif out.tif --median 1
     /usr/bin/python3 -c '
 import numpy as np
-from tifffile import imread, imwrite
-a = imread("float.tif"); a[7, 3, 2] = np.nan; imwrite("nan.tif", a)
-imwrite("wide.tif", np.full((3, 4, 5), 16777217, np.uint32))'
+from voxels import read, write
+a = read("float.tif"); a[7, 3, 2] = np.nan; write("nan.tif", a)
+write("wide.tif", np.full((6, 7, 5), 16777217, np.uint32))'
     refused 1 "slice 7 has a value that is not a finite number" denoise nan.tif out.tif --voxel-size 1um --median 1
     refused 1 "the value 16777217" denoise wide.tif out.tif --voxel-size 1um --median 1
 }

@@ -5,22 +5,23 @@ bats_require_minimum_version 1.5.0
 setup() {
     cd "$BATS_TEST_TMPDIR" || return 1
     PATH=$TOMODEM_BIN:$PATH
+    export PYTHONPATH=$TOMODEM_SOURCE/tests/tools/segment
 }
 
 @test "recovers phases whose brightness drifts so far that no one threshold separates them" {
     phantom_grains truth.tif --size 80x60x60 --voxel-size 4um --fraction 0.4 --diameter 40um:56um --quiet
     /usr/bin/python3 - <<'PYTHON'
 import numpy as np
-from tifffile import imread, imwrite
-truth = imread("truth.tif")
+from voxels import read, write
+truth = read("truth.tif")
 drift = np.linspace(0, 100, truth.shape[2])[None, None, :]
-imwrite("grey.tif", (60 + 50.0 * truth + drift + np.random.default_rng(1).normal(0, 6, truth.shape)).round().astype(np.uint8))
+write("grey.tif", (60 + 50.0 * truth + drift + np.random.default_rng(1).normal(0, 6, truth.shape)).round().astype(np.uint8))
 PYTHON
     local_threshold grey.tif labels.tif --voxel-size 4um --radius 10 --picture labels.png --json found.json
     /usr/bin/python3 - <<'PYTHON'
 import numpy as np
-from tifffile import imread
-truth, grey, labels = imread("truth.tif") > 0, imread("grey.tif"), imread("labels.tif") > 0
+from voxels import read
+truth, grey, labels = read("truth.tif") > 0, read("grey.tif"), read("labels.tif") > 0
 best = min(np.mean((grey > cut) != truth) for cut in range(255))
 wrong = np.mean(labels != truth)
 print(f"wrong: {100 * best:.1f} % with the best global threshold, {100 * wrong:.2f} % with the local one")
