@@ -59,7 +59,8 @@ else
   relaxing_scene := $(scene)
 endif
 
-image_options := $(strip $(if $(VOXEL_SIZE),--voxel-size $(VOXEL_SIZE)) $(if $(SLICE_SPACING),--slice-spacing $(SLICE_SPACING)) \
+image_options := $(strip $(if $(VOXEL_SIZE),--voxel-size $(VOXEL_SIZE)) \
+    $(if $(OVERRIDE_VOXEL_SIZE),--override-voxel-size) $(if $(SLICE_SPACING),--slice-spacing $(SLICE_SPACING)) \
     $(if $(THRESHOLD),--threshold $(THRESHOLD)) $(if $(OTSU),--otsu $(OTSU)) $(if $(RELABEL),--relabel $(RELABEL)) \
     $(if $(ROI),--roi $(ROI)) $(RAW_OPTIONS))
 

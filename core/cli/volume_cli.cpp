@@ -41,9 +41,8 @@ std::int32_t whole_number(const std::string& flag, const std::string& text, std:
     return value;
 }
 
-}  // namespace
-
-cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request) {
+/// The volume, and where its voxels are.
+cli::Usage& add_place(cli::Usage& usage, VolumeRequest& request) {
     return usage
         .input("VOLUME", request.path, volume_files,
                fmt::format("Tomography: a file ({}), a folder of numbered slices, a pattern ('scan_*.tif'), or a "
@@ -52,6 +51,9 @@ cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request) {
         .option("--voxel-size", request.voxel_size, cli::Unit::length, cli::positive,
                 "Edge of a voxel. Required if the file does not hold it; if the file does, a value given here must "
                 "agree with it.")
+        .flag("--override-voxel-size", request.override_voxel_size,
+              "Take --voxel-size (and --slice-spacing) although the file says another size, as that of a program that "
+              "did not know it.")
         .option("--slice-spacing", request.slice_spacing, cli::Unit::length, cli::positive,
                 "Distance between slices; without it, the voxel size.")
         .option("--origin", request.origin,
@@ -60,13 +62,11 @@ cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request) {
             "--roi", request.roi,
             "Region of voxels to read, as x0:x1,y0:y1,z0:z1 counted from 0, without x1, y1 and z1; without it, all.")
         .option("--bin", request.bin,
-                "Number of voxels along each axis that are merged into one, as 2 or 2x2x1; without it, none are.")
-        .option("--threshold", request.threshold,
-                "Segment a grey image: voxels above this value get label 1, the others 0; 83,140 gives labels 0, 1, 2.")
-        .option(
-            "--otsu", request.otsu, cli::Unit::none, {1, 2},
-            "Segment a grey image by this number of thresholds, found by Otsu's method (grey_histogram shows them).")
-        .option("--relabel", request.relabel, "Labels to replace on reading, as 255=1,2=0; others stay.")
+                "Number of voxels along each axis that are merged into one, as 2 or 2x2x1; without it, none are.");
+}
+
+cli::Usage& add_raw(cli::Usage& usage, VolumeRequest& request) {
+    return usage
         .option("--raw-size", request.raw_size,
                 "Read the file as raw voxels, x fastest, of these numbers along x, y, z, as 200x200x100.")
         .option("--raw-type", request.raw_type,
@@ -74,9 +74,26 @@ cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request) {
                 "u8, i8, u16 ... f64).")
         .choice("--raw-byte-order", request.raw_byte_order, {"little", "big"}, "Byte order of the raw voxels.")
         .option("--raw-offset", request.raw_offset, cli::Unit::none, cli::not_negative,
-                "Number of bytes before the first raw voxel.")
-        .exclusive({"--threshold", "--otsu"})
-        .threads();
+                "Number of bytes before the first raw voxel.");
+}
+
+}  // namespace
+
+cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request) {
+    add_place(usage, request)
+        .option("--threshold", request.threshold,
+                "Segment a grey image: voxels above this value get label 1, the others 0; 83,140 gives labels 0, 1, 2.")
+        .option(
+            "--otsu", request.otsu, cli::Unit::none, {1, 2},
+            "Segment a grey image by this number of thresholds, found by Otsu's method (grey_histogram shows them).")
+        .option("--relabel", request.relabel, "Labels to replace on reading, as 255=1,2=0; others stay.")
+        .exclusive({"--threshold", "--otsu"});
+    return add_raw(usage, request).threads();
+}
+
+cli::Usage& add_grey_volume(cli::Usage& usage, VolumeRequest& request) {
+    add_place(usage, request);
+    return add_raw(usage, request).threads();
 }
 
 LabelVolume read_volume(const VolumeRequest& request, const VolumeOptions& options, cli::Tool& tool) {
@@ -92,6 +109,9 @@ VolumeOptions volume_options(const VolumeRequest& request) {
     options.voxel_size = {request.voxel_size, request.voxel_size,
                           request.slice_spacing > 0 ? request.slice_spacing : 0.0};
     if (request.slice_spacing > 0 && !(request.voxel_size > 0)) throw WrongUsage("--slice-spacing needs --voxel-size");
+    if (request.override_voxel_size && !(request.voxel_size > 0))
+        throw WrongUsage("--override-voxel-size needs the right size: --voxel-size");
+    options.override_voxel_size = request.override_voxel_size;
     options.otsu_levels = static_cast<int>(request.otsu);
     if (!request.threshold.empty()) options.thresholds = parse_thresholds("--threshold", request.threshold);
     if (!request.bin.empty()) options.bin = parse_size("--bin", request.bin);

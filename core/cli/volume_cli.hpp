@@ -7,12 +7,13 @@
 
 namespace tomodem {
 
-/// What every tool that reads a volume asks for: --voxel-size, --slice-spacing, --origin, --roi, --bin, --threshold,
-/// --otsu, --relabel, and --raw-size, --raw-type, --raw-byte-order and --raw-offset for raw voxels.
+/// What every tool that reads a volume asks for: --voxel-size, --override-voxel-size, --slice-spacing, --origin, --roi,
+/// --bin, --threshold, --otsu, --relabel, and --raw-size, --raw-type, --raw-byte-order and --raw-offset for raw voxels.
 struct VolumeRequest {
     std::string path;            ///< see open_volume
     double voxel_size = 0.0;     ///< mm, 0: as the file says
     double slice_spacing = 0.0;  ///< mm, 0: as the file says, or as voxel_size
+    bool override_voxel_size = false;
     std::string threshold, origin, relabel, roi, bin;
     std::int64_t otsu = 0;
     std::string raw_size, raw_type, raw_byte_order = "little";
@@ -21,6 +22,9 @@ struct VolumeRequest {
 
 /// Declares the volume as the next positional argument, and its options.
 cli::Usage& add_volume(cli::Usage& usage, VolumeRequest& request);
+
+/// The same of a tool that reads grey values: without --threshold, --otsu and --relabel.
+cli::Usage& add_grey_volume(cli::Usage& usage, VolumeRequest& request);
 
 /// The options as read_label_volume takes them.
 /// @throws WrongUsage if one of them cannot be understood, or does not go with another

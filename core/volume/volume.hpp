@@ -88,6 +88,7 @@ class LabelVolume {
 struct VolumeOptions {
     /// Edges of a voxel [mm]; 0: as the file says. A z of 0 without anything in the file is that of x.
     Vec3 voxel_size = Vec3::Zero();
+    bool override_voxel_size = false;              ///< the voxel size given holds even if the file says another
     std::optional<Vec3> origin;                    ///< mm; as the file says, or 0, by default
     std::optional<RawLayout> raw;                  ///< the file is raw voxels
     std::vector<double> thresholds;                ///< rising; a grey value above n of them becomes label n
@@ -117,7 +118,7 @@ struct LabelledImage {
 /// @param threads   also those that the volume's own members use later
 /// @param reporter  progress, and how many values were not a number
 /// @throws InvalidInput: not there, of no known format, cut, slices of different size or type, a gap in the numbers, no
-///         voxel size or another than the file's (by more than 1 in 1000)
+///         voxel size or another than the file's (by more than 1 in 1000) without override_voxel_size
 /// @note   memory: the labels, and one slab of slices
 LabelledImage read_image(const std::string& spec, const VolumeOptions& options, int threads, Reporter& reporter);
 

@@ -10,6 +10,7 @@
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 #include "core/volume/grey_histogram.hpp"
+#include "core/volume/grey_volume.hpp"
 #include "core/volume/volume.hpp"
 
 namespace tomodem {
@@ -98,36 +99,66 @@ std::array<VoxelIndex, 2> region_of(const std::string& spec, const VoxelIndex& s
     return region;
 }
 
+std::string edges_text(const Vec3& spacing) {
+    return fmt::format("{:g} x {:g} x {:g} um", 1e3 * spacing[0], 1e3 * spacing[1], 1e3 * spacing[2]);
+}
+
+/// A whole number of pixels per inch that programs write where nobody told them the size: what it is, or nothing.
+std::string default_of_a_writer(double edge) {
+    constexpr double inch = 25.4, rounding = 5e-4;
+    for (const int pixels : {1, 72, 96, 100, 150, 300, 600})
+        if (std::abs(edge * pixels / inch - 1) < rounding)
+            return fmt::format("{:.4g} um is {} pixel{} per inch, which programs write where nobody gave them a size",
+                               1e3 * edge, pixels, pixels == 1 ? "" : "s");
+    return {};
+}
+
 /// Edges of a stored voxel, from the file and the options.
-Vec3 spacing_of(const std::string& spec, const VolumeHeader& header, const VolumeOptions& options) {
+Vec3 spacing_of(const std::string& spec, const VolumeHeader& header, const VolumeOptions& options, Reporter& reporter) {
     const Vec3& given = options.voxel_size;
     for (int axis = 0; axis < 3; ++axis)
         if (!(given[axis] >= 0) || !std::isfinite(given[axis]))
             throw InvalidInput(
                 fmt::format("voxel size {:g} mm of volume '{}': it must be more than 0", given[axis], spec));
-    Vec3 spacing = given;
-    if (header.spacing && header.spacing_has_unit) {
-        spacing = *header.spacing;
-    } else if (header.spacing && given[0] > 0) {
-        spacing = *header.spacing * (given[0] / (*header.spacing)[0]);
-    } else {
-        if (!(given[0] > 0))
-            throw InvalidInput(
-                fmt::format("volume '{}' ({}) does not say the size of its voxels{}; give it with "
-                            "--voxel-size and its unit",
-                            spec, header.format, header.spacing ? " with a unit" : ""));
-        if (given[1] == 0) spacing[1] = given[0];
-        if (given[2] == 0) spacing[2] = given[0];
-    }
+    if (!header.spacing && !(given[0] > 0))
+        throw InvalidInput(
+            fmt::format("volume '{}' ({}) does not say the size of its voxels; give it with --voxel-size and its unit",
+                        spec, header.format));
+    if (header.spacing && !header.spacing_has_unit && !(given[0] > 0))
+        throw InvalidInput(fmt::format(
+            "volume '{}' ({}) does not say the size of its voxels with a unit; give it with --voxel-size and its unit",
+            spec, header.format));
+    const Vec3 as_given(given[0], given[1] > 0 ? given[1] : given[0], given[2] > 0 ? given[2] : given[0]);
+    if (!header.spacing) return as_given;
+    const Vec3 stored =
+        header.spacing_has_unit ? *header.spacing : Vec3(*header.spacing * (given[0] / (*header.spacing)[0]));
+    const char* const how = header.spacing_has_unit ? "" : " at the given size in x";
+    const std::string writer = header.spacing_has_unit ? default_of_a_writer(stored[0]) : "";
+
     constexpr double rounding = 1e-3;  // files keep a few digits
+    const auto differs = [&](const Vec3& edges, int axis) {
+        return edges[axis] > 0 && std::abs(stored[axis] / edges[axis] - 1) > rounding;
+    };
+    if (options.override_voxel_size) {
+        if (differs(as_given, 0) || differs(as_given, 1) || differs(as_given, 2))
+            reporter.warn(fmt::format("volume '{}' says that its voxels are {}{}{}; they are taken as {}, as given",
+                                      spec, edges_text(stored), how, writer.empty() ? "" : " (" + writer + ")",
+                                      edges_text(as_given)));
+        return as_given;
+    }
     for (int axis = 0; axis < 3; ++axis)
-        if (given[axis] > 0 && std::abs(spacing[axis] / given[axis] - 1) > rounding)
+        if (differs(given, axis))
             throw InvalidInput(
-                fmt::format("volume '{}' says that its voxels are {:g} x {:g} x {:g} um{}, but {:g} um are "
-                            "given for {}; leave the option out, or correct one of them",
-                            spec, 1e3 * spacing[0], 1e3 * spacing[1], 1e3 * spacing[2],
-                            header.spacing_has_unit ? "" : " at the given size in x", 1e3 * given[axis], "xyz"[axis]));
-    return spacing;
+                fmt::format("volume '{}' says that its voxels are {}{}, but {:g} um are given for {}{}; add "
+                            "--override-voxel-size if the file is wrong, or correct {}",
+                            spec, edges_text(stored), how, 1e3 * given[axis], "xyz"[axis],
+                            writer.empty() ? "" : " (" + writer + ")", axis == 2 ? "--slice-spacing" : "--voxel-size"));
+    if (!(given[0] > 0) && !writer.empty())
+        reporter.warn(
+            fmt::format("volume '{}': its voxel size comes from the file, and {}; a scanner's voxel is rarely that: if "
+                        "it is wrong, give --voxel-size with --override-voxel-size",
+                        spec, writer));
+    return stored;
 }
 
 /// The label that most voxels of each block have.
@@ -156,16 +187,32 @@ void vote(const std::vector<std::int32_t>& stored, std::int64_t width, std::int3
 }
 
 /// @param spacing  of the stored voxels, or nullptr
-std::string description_of(const VolumeHeader& header, const Vec3* spacing) {
+/// @param given    whatever the file says
+std::string description_of(const VolumeHeader& header, const Vec3* spacing, bool given = false) {
     std::string text = fmt::format("{} slices of {} x {} voxels, {}, {}", header.size[2], header.size[0],
                                    header.size[1], name_of(header.type), header.format);
     if (spacing)
-        text += fmt::format("; voxels of {:g} x {:g} x {:g} um, {}", 1e3 * (*spacing)[0], 1e3 * (*spacing)[1],
-                            1e3 * (*spacing)[2],
-                            !header.spacing           ? "as given"
+        text += fmt::format("; voxels of {}, {}", edges_text(*spacing),
+                            !header.spacing || given  ? "as given"
                             : header.spacing_has_unit ? "from the file"
                                                       : "in the file's proportions");
     return text;
+}
+
+/// Where the voxels are that the options keep.
+struct Placement {
+    Vec3 spacing, origin;
+    std::string description;
+};
+
+Placement placement_of(const std::string& spec, const VolumeHeader& header, const std::array<VoxelIndex, 2>& region,
+                       const VolumeOptions& options, Reporter& reporter) {
+    const Vec3 stored = spacing_of(spec, header, options, reporter);
+    const Vec3 bin(options.bin[0], options.bin[1], options.bin[2]);
+    const Vec3 first_voxel(region[0][0], region[0][1], region[0][2]);
+    return {stored.cwiseProduct(bin),
+            options.origin.value_or(header.origin.value_or(Vec3::Zero())) + first_voxel.cwiseProduct(stored),
+            description_of(header, &stored, options.override_voxel_size)};
 }
 
 }  // namespace
@@ -177,6 +224,47 @@ GreyImage read_grey_histogram(const std::string& spec, const VolumeOptions& opti
     return {count_grey_values(slabs, threads, reporter), description_of(source->header(), nullptr)};
 }
 
+GreyVolume read_grey_volume(const std::string& spec, const VolumeOptions& options, int threads, Reporter& reporter) {
+    const auto source = open_volume(spec, options.raw);
+    source->use_threads(threads);
+    const VolumeHeader& header = source->header();
+    const auto region = region_of(spec, header.size, options);
+    const Placement place = placement_of(spec, header, region, options, reporter);
+    GreySlabs slabs(*source, region, options.bin, threads);
+    const VoxelIndex size = slabs.size();
+    GreyVolume grey{size, place.spacing, place.origin, slabs.type(), {}, place.description};
+    const std::int64_t page = std::int64_t{size[0]} * size[1];
+    grey.values.resize(static_cast<std::size_t>(page) * size[2]);
+    std::vector<std::byte> voxels;
+    const auto progress = reporter.progress("reading", size[2]);
+    for (std::int32_t k = 0; k < size[2]; k += LabelVolume::slab) {
+        const std::int32_t count = std::min(LabelVolume::slab, size[2] - k);
+        slabs.read(k, count, voxels);
+        with_type(slabs.type(), [&](auto value) {
+            using Value = decltype(value);
+            const auto* values = reinterpret_cast<const Value*>(voxels.data());
+            parallel_for(count, threads, [&](std::int64_t i) {
+                float* const to = grey.values.data() + (k + i) * page;
+                for (std::int64_t at = 0; at < page; ++at) {
+                    const Value stored = values[i * page + at];
+                    to[at] = static_cast<float>(stored);
+                    if (!std::isfinite(to[at]))
+                        throw InvalidInput(fmt::format(
+                            "cannot read volume '{}': slice {} has a value that is not a finite number; replace it",
+                            spec, k + i));
+                    if (std::is_integral_v<Value> && static_cast<double>(to[at]) != static_cast<double>(stored))
+                        throw InvalidInput(
+                            fmt::format("cannot read volume '{}': slice {} has the value {}, and values "
+                                        "above 16777216 are not kept exactly; write it with 16 bits",
+                                        spec, k + i, stored));
+                }
+            });
+        });
+        progress->update(k + count);
+    }
+    return grey;
+}
+
 LabelVolume read_label_volume(const std::string& spec, const VolumeOptions& options) {
     return read_image(spec, options, 1, silent_reporter()).volume;
 }
@@ -186,13 +274,12 @@ LabelledImage read_image(const std::string& spec, const VolumeOptions& options, 
     source->use_threads(threads);
     const VolumeHeader& header = source->header();
     const auto region = region_of(spec, header.size, options);
-    const Vec3 stored_spacing = spacing_of(spec, header, options);
-    const Vec3 origin = options.origin.value_or(header.origin.value_or(Vec3::Zero()));
+    const Placement place = placement_of(spec, header, region, options, reporter);
     const bool grey = !options.thresholds.empty() || options.otsu_levels > 0;
     if (is_float(header.type) && !grey)
         throw InvalidInput(
             fmt::format("cannot read volume '{}': it holds floating-point grey values; give --threshold or "
-                        "--otsu",
+                        "--otsu (grey_histogram shows where it cuts)",
                         spec));
 
     GreySlabs slabs(*source, region, options.bin, threads);
@@ -203,9 +290,7 @@ LabelledImage read_image(const std::string& spec, const VolumeOptions& options, 
         thresholds = otsu;
     }
 
-    const Vec3 bin(options.bin[0], options.bin[1], options.bin[2]);
-    const Vec3 first_voxel(region[0][0], region[0][1], region[0][2]);
-    LabelVolume volume(size, stored_spacing.cwiseProduct(bin), origin + first_voxel.cwiseProduct(stored_spacing));
+    LabelVolume volume(size, place.spacing, place.origin);
     volume.use_threads(threads);
     const bool votes = !grey && options.bin != VoxelIndex{1, 1, 1};
     Labeller labeller(spec, votes ? header.type : slabs.type(), thresholds, options.relabel);
@@ -242,7 +327,7 @@ LabelledImage read_image(const std::string& spec, const VolumeOptions& options, 
     if (labeller.not_a_number() > 0)
         reporter.warn(fmt::format("{} voxels of '{}' are not a number; they count as below the threshold",
                                   labeller.not_a_number(), spec));
-    return {std::move(volume), description_of(header, &stored_spacing), otsu};
+    return {std::move(volume), place.description, otsu};
 }
 
 std::vector<double> read_values_at(const std::string& spec, const std::string& image, const VolumeOptions& options,
@@ -257,7 +342,7 @@ std::vector<double> read_values_at(const std::string& spec, const std::string& i
                         "be of one grid",
                         spec, header.size[0], header.size[1], header.size[2], image, image_header.size[0],
                         image_header.size[1], image_header.size[2]));
-    const Vec3 spacing = spacing_of(image, image_header, options);
+    const Vec3 spacing = spacing_of(image, image_header, options, silent_reporter());  // said before
     const Vec3 origin = options.origin.value_or(image_header.origin.value_or(Vec3::Zero()));
     std::vector<VoxelIndex> voxel_of(points.size());
     std::vector<std::size_t> order(points.size());

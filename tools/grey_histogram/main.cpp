@@ -49,6 +49,15 @@ void run(const Request& request, cli::Tool& tool) {
     for (std::size_t i = 0; i < classes.size(); ++i)
         tool.report(fmt::format("fraction_label_{}", i),
                     100.0 * static_cast<double>(classes[i]) / static_cast<double>(histogram.voxels()), "%");
+    constexpr double few = 5;  // %
+    if (request.volume.threshold.empty())
+        for (std::size_t i = 0; i < classes.size(); ++i)
+            if (const double share = 100.0 * static_cast<double>(classes[i]) / static_cast<double>(histogram.voxels());
+                share < few)
+                tool.note(
+                    fmt::format("label {} is {:.2g} % of the image: for so small a phase Otsu's threshold may be "
+                                "far off; check it in the picture, and give --threshold",
+                                i, share));
     tool.report_json("counts", histogram.counts);
     tool.report("first_bin", histogram.low);
     tool.report("bin_width", histogram.width);

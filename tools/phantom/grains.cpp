@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/base/error.hpp"
+#include "core/base/units.hpp"
 
 namespace tomodem::phantom {
 namespace {
@@ -65,6 +66,19 @@ Grain draw_cluster(double volume, Random& random) {
 
 }  // namespace
 
+std::optional<std::array<double, 2>> diameter_range(const std::string& text) {
+    if (text.empty()) return {};
+    try {
+        const auto colon = text.find(':');
+        const double low = units::length(text.substr(0, colon));
+        const double high = colon == std::string::npos ? low : units::length(text.substr(colon + 1));
+        if (!(low > 0) || high < low) throw InvalidInput("expected 0 < smallest <= largest");
+        return std::array{low, high};
+    } catch (const InvalidInput& error) {
+        throw WrongUsage("--diameter '" + text + "': " + error.what());
+    }
+}
+
 std::vector<Grain> draw_inclusions(const InclusionRequest& request, double volume, Random& random) {
     std::vector<double> volumes;
     const auto draw = [&] {
@@ -96,6 +110,23 @@ std::vector<Grain> draw_pores(const PoreRequest& request, double volume, Random&
         grains.push_back(random.uniform(0, 1) < request.cluster_share ? draw_cluster(one, random)
                                                                       : sphere_of_volume(one));
     return grains;
+}
+
+std::vector<Grain> place_touching(std::vector<Grain> spheres, const Vec3& edges, double overlap, Random& random,
+                                  Reporter& reporter) {
+    double largest = 0;
+    for (Grain& grain : spheres) {
+        largest = std::max(largest, grain.spheres[0].radius);
+        grain.spheres[0].radius *= 1 - overlap;
+    }
+    // Smaller spheres fill a smaller box without overlap; as large as they are, they touch and stay inside.
+    const Vec3 margin = Vec3::Constant(overlap * largest);
+    spheres = place_without_overlap(std::move(spheres), edges - 2 * margin, 0.0, random, reporter);
+    for (Grain& grain : spheres) {
+        grain.spheres[0].radius /= 1 - overlap;
+        grain.spheres[0].centre += margin;
+    }
+    return spheres;
 }
 
 }  // namespace tomodem::phantom

@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "tools/phantom/spheres.hpp"
@@ -17,6 +18,15 @@ struct InclusionRequest {
 /// fraction, and all are then scaled by one factor (near 1) to meet it exactly.
 /// @throws InvalidInput if the fraction cannot be met
 std::vector<Grain> draw_inclusions(const InclusionRequest& request, double volume, Random& random);
+
+/// "60um" or "40um:80um" as diameters [mm]; nothing where the text is empty. @throws WrongUsage naming --diameter
+std::optional<std::array<double, 2>> diameter_range(const std::string& text);
+
+/// Puts spheres into a box so that they may overlap: two centres are never nearer than (1 - overlap) times the sum of
+/// the radii. The denser, the more of them touch.
+/// @throws InvalidInput as place_without_overlap
+std::vector<Grain> place_touching(std::vector<Grain> spheres, const Vec3& edges, double overlap, Random& random,
+                                  Reporter& reporter = silent_reporter());
 
 struct PoreRequest {
     double porosity = 0.0;

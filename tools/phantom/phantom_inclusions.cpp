@@ -1,5 +1,4 @@
 // phantom_inclusions: spherical inclusions (label 2) in a matrix (label 1), with their truth.
-#include "core/base/units.hpp"
 #include "core/cli/cli.hpp"
 #include "core/cli/volume_cli.hpp"
 #include "tools/phantom/grains.hpp"
@@ -41,24 +40,11 @@ cli::Usage usage(Request& request) {
             "--diameter 40um:80um");
 }
 
-std::optional<std::array<double, 2>> diameters(const std::string& text) {
-    if (text.empty()) return {};
-    try {
-        const auto colon = text.find(':');
-        const double low = units::length(text.substr(0, colon));
-        const double high = colon == std::string::npos ? low : units::length(text.substr(colon + 1));
-        if (!(low > 0) || high < low) throw InvalidInput("expected 0 < smallest <= largest");
-        return {{low, high}};
-    } catch (const InvalidInput& error) {
-        throw WrongUsage("--diameter '" + text + "': " + error.what());
-    }
-}
-
 void run(const Request& request, cli::Tool& tool) {
     InclusionRequest wanted;
     if (tool.given("--fraction")) wanted.fraction = request.fraction;
     if (tool.given("--count")) wanted.count = request.count;
-    wanted.diameter = diameters(request.diameter);
+    wanted.diameter = diameter_range(request.diameter);
     const VoxelIndex size = parse_size("--size", request.size);
     const auto truth_file = truth_path(request.volume, request.truth);
     const Vec3 edges = request.voxel_size * Vec3(size[0], size[1], size[2]);

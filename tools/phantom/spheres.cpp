@@ -305,4 +305,43 @@ Raster rasterise(const std::vector<Grain>& grains, VoxelIndex size, double voxel
     return raster;
 }
 
+Raster rasterise_numbers(const std::vector<Grain>& grains, VoxelIndex size, double voxel_size, Reporter& reporter) {
+    Raster raster{LabelVolume(size, Vec3::Constant(voxel_size)), std::vector<std::int64_t>(grains.size(), 0)};
+    const std::int64_t page = std::int64_t{size[0]} * size[1];
+    std::vector<std::int32_t> numbers;
+    std::vector<double>
+        power;  // distance squared to the centre, minus the radius squared, of the grain that has the voxel
+    const auto progress = reporter.progress("drawing", size[2]);
+    for (std::int32_t k0 = 0; k0 < size[2]; k0 += LabelVolume::slab) {
+        const std::int32_t count = std::min(LabelVolume::slab, size[2] - k0);
+        numbers.assign(page * count, 0);
+        power.assign(page * count, 0.0);
+        for (std::size_t i = 0; i < grains.size(); ++i) {
+            const Sphere& sphere = grains[i].spheres[0];
+            const Vec3 centre = sphere.centre / voxel_size;  // in voxels from here on
+            const double radius = sphere.radius / voxel_size;
+            const auto first = [&](int axis, std::int32_t start) {
+                return std::max(start, static_cast<std::int32_t>(std::floor(centre[axis] - radius)));
+            };
+            const auto end = [&](int axis, std::int32_t stop) {
+                return std::min(stop, static_cast<std::int32_t>(std::ceil(centre[axis] + radius)) + 1);
+            };
+            for (std::int32_t z = first(2, k0); z < end(2, k0 + count); ++z)
+                for (std::int32_t y = first(1, 0); y < end(1, size[1]); ++y)
+                    for (std::int32_t x = first(0, 0); x < end(0, size[0]); ++x) {
+                        const double here = (Vec3(x + 0.5, y + 0.5, z + 0.5) - centre).squaredNorm() - radius * radius;
+                        const std::int64_t at = (z - k0) * page + std::int64_t{y} * size[0] + x;
+                        if (here > power[at]) continue;
+                        power[at] = here;
+                        numbers[at] = static_cast<std::int32_t>(i + 1);
+                    }
+        }
+        for (const std::int32_t number : numbers)
+            if (number > 0) ++raster.voxels[number - 1];
+        raster.volume.set_slices(k0, count, numbers);
+        progress->update(k0 + count);
+    }
+    return raster;
+}
+
 }  // namespace tomodem::phantom

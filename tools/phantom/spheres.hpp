@@ -57,4 +57,10 @@ struct Raster {
 Raster rasterise(const std::vector<Grain>& grains, VoxelIndex size, double voxel_size, std::int32_t label,
                  std::int32_t background, int threads = 1, Reporter& reporter = silent_reporter());
 
+/// Gives each voxel whose centre lies in a sphere the number of its grain, from 1; 0 elsewhere. Where spheres overlap,
+/// the plane through the circle in which their surfaces meet is the border.
+/// @param grains  of one sphere each
+Raster rasterise_numbers(const std::vector<Grain>& grains, VoxelIndex size, double voxel_size,
+                         Reporter& reporter = silent_reporter());
+
 }  // namespace tomodem::phantom

@@ -110,6 +110,7 @@ std::string image_options(const VolumeRequest& volume, cli::Tool& tool) {
         if (tool.given(flag)) text += " " + flag + " " + shell_quoted(value);
     };
     add("--voxel-size", fmt::format("{:g}mm", volume.voxel_size));
+    if (tool.given("--override-voxel-size")) text += " --override-voxel-size";
     add("--slice-spacing", fmt::format("{:g}mm", volume.slice_spacing));
     add("--origin", volume.origin);
     add("--roi", volume.roi);

@@ -66,8 +66,10 @@ void run(const Request& request, cli::Tool& tool) {
     if (histogram.size() > max_labels) {
         tool.report("label_count", static_cast<std::int64_t>(histogram.size()));
         tool.warn(
-            "more than 16 labels: if it is a grey image give --threshold or --otsu (a label image of grains: vol2pack "
-            "--label-objects); nothing more is counted");
+            "more than 16 labels, so nothing more is counted: if the image is grey, give --otsu 1 or --threshold "
+            "(grey_histogram shows where it cuts, denoise removes noise before); if each object has a label of its "
+            "own, "
+            "vol2pack takes them by --label-objects");
         return;
     }
 
@@ -76,6 +78,7 @@ void run(const Request& request, cli::Tool& tool) {
     const Components components = connected_components(volume, labels, Joining::same_label, Connectivity::faces, tool);
     const double all = static_cast<double>(size[0]) * size[1] * size[2];
     nlohmann::ordered_json table = nlohmann::ordered_json::array();
+    std::int64_t specks = 0;
     for (const auto& [label, voxels] : histogram) {
         std::int64_t count = 0, large = 0, largest = 0;
         for (std::size_t i = 0; i < components.voxels.size(); ++i) {
@@ -84,6 +87,7 @@ void run(const Request& request, cli::Tool& tool) {
             large += components.voxels[i] >= request.min_component;
             largest = std::max(largest, components.voxels[i]);
         }
+        if (label != 0) specks += count - large;
         const std::string key = fmt::format("label_{}", label);
         tool.report("voxels_" + key, voxels);
         tool.report("fraction_" + key, 100 * static_cast<double>(voxels) / all, "%");
@@ -98,6 +102,11 @@ void run(const Request& request, cli::Tool& tool) {
                          {"largest_component", largest}});
     }
     tool.report_json("labels", table);
+    if (specks > 0)
+        tool.note(
+            fmt::format("{} of the components that are not void have fewer than {} voxels: if they are noise, vol2pack "
+                        "--min-component {} removes them, or denoise before the threshold",
+                        specks, request.min_component, request.min_component));
 }
 
 }  // namespace
