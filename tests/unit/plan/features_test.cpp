@@ -26,7 +26,7 @@ TEST(Features, OfBallsAreTheirDiameters) {
     EXPECT_NEAR(balls.median, 0.24, 0.002);
     EXPECT_NEAR(balls.smallest, 0.12, 0.002);
     EXPECT_NEAR(found.solid_volume, 0.216, 1e-9);
-    EXPECT_TRUE(found.pore_gaps.empty());
+    EXPECT_TRUE(found.voids.empty());
 }
 
 TEST(Features, WithoutMarkedObjectsAreThoseOfAllButTheLargestPhase) {
@@ -48,7 +48,7 @@ TEST(Features, OfClosedPoresAreTheirDiameters) {
     EXPECT_EQ(found.features[0].kind, Feature::Kind::pores);
     EXPECT_EQ(found.features[0].count, 3);
     EXPECT_NEAR(found.features[0].median, 0.16, 0.002);
-    EXPECT_FALSE(found.pore_gaps.empty());
+    EXPECT_EQ(found.voids.size(), 3);
 }
 
 TEST(Features, VoidThatReachesAFaceIsNoPore) {
@@ -77,8 +77,8 @@ TEST(Features, OfAPoreKnowItsDistanceFromTheFaces) {
     // 0.01 mm a voxel; a pore of 11 voxels whose first one is the sixth.
     const ImageFeatures found = find_features(
         drawn::volume(40, [](const Vec3& at) { return (at - Vec3(10.5, 20, 20)).norm() < 5.5 ? 0 : 1; }), one_phase, 1);
-    ASSERT_EQ(found.pore_gaps.size(), 1);
-    EXPECT_NEAR(found.pore_gaps[0], 5 * drawn::voxel, 1e-9);
+    ASSERT_EQ(found.voids.size(), 1);
+    EXPECT_NEAR(found.voids[0].wall(), 5 * drawn::voxel, 1e-9);
 }
 
 TEST(Features, MedianIsThatOfTheVolume) {
