@@ -140,7 +140,7 @@ class Search {
                     break;
                 }
                 if (!closest || tried.error() < closest->error()) closest = tried;
-                if (tried.error() <= request_.error) {
+                if (tried.error() <= request_.error * (1 + 1e-6)) {  // a request may have been rounded
                     if (!found || cost(tried) < cost(*found)) found = tried;
                     break;
                 }
@@ -246,7 +246,7 @@ double closed_volume(const ImageFeatures& image) {
 /// Rounded up to two digits, so that who asks for it gets it.
 double reachable(double error) {
     const double digit = std::pow(10, std::floor(std::log10(error)) - 1);
-    return std::ceil(error / digit * (1 + 1e-9)) * digit;
+    return std::ceil(error / digit - 1e-6) * digit;
 }
 
 /// What a search over the laws comes to.

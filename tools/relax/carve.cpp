@@ -17,7 +17,7 @@ namespace {
 /// How far from an image's pore its own pore in the sample may reach, and how far particles are looked at [diameters].
 constexpr double belonging = 2, reach = 4;
 /// Depth below a face in which particles are counted to find where the material ends [diameters].
-constexpr double face_depth = 4;
+constexpr double face_depth = 3;
 /// Smallest share of what a pore lacks that is taken out in one iteration.
 constexpr double least_share = 1.0 / 32;
 

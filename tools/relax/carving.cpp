@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -101,6 +102,8 @@ class Carving {
  private:
     /// Iterations that come no nearer, after which it ends.
     static constexpr std::int64_t most_in_vain = 5;
+    /// Share of the pores' volume that has no particles, from which a sample has its pores already.
+    static constexpr double masked_from = 0.5;
 
     std::string how_far(const Assessment& assessment) const {
         std::string text = fmt::format("total volume {:+.2f} %", 100 * assessment.all.error());
@@ -134,18 +137,32 @@ class Carving {
         together(communicator_, [&] {
             if (!first_) return;
             write_text(table_file_, table_of(rows_));
-            const auto option = [](const char* flag, double error, double allowed) {
-                const double percent = 100 * std::abs(error);
-                return percent <= allowed ? std::string{}
-                                          : fmt::format(" {} {:.1f}%", flag, std::ceil(10 * percent + 1e-9) / 10);
-            };
-            throw InvalidInput(fmt::format(
-                "taking particles out brings the pores no nearer to the image's than this: {}; walls of one or two "
-                "particles tear, finer particles (vol2pack --pixels-per-seed) make thicker ones; the same command with "
-                "--resume{}{} takes the sample as it is",
-                how_far(assessment_), option("--total-error", assessment_.all.error(), request_.total_error),
-                option("--pore-error", assessment_.worst_error(), request_.pore_error)));
+            throw InvalidInput(fmt::format("taking particles out brings the pores no nearer to the image's than this: {}{}",
+                                           how_far(assessment_), advice()));
         });
+    }
+
+    /// What can be done about the nearest sample.
+    std::string advice() const {
+        std::string text;
+        const auto torn = std::count_if(assessment_.pores.begin(), assessment_.pores.end(), [](const PoreState& pore) {
+            return pore.kind == PoreKind::closed && pore.measure.leaks;
+        });
+        if (rows_.front().volume > masked_from * rows_.front().target)
+            text += "; the sample had pores already: start from a dense one (vol2pack --relabel 0=1)";
+        else if (torn > 0)
+            text += fmt::format("; {} pores have torn their walls: finer particles (vol2pack --pixels-per-seed) make "
+                                "thicker ones",
+                                torn);
+        const double total = std::abs(assessment_.all.error()), worst = std::abs(assessment_.worst_error());
+        if (std::max(total, worst) > 0.99) return text;
+        const auto option = [](const char* flag, double error, double allowed) {
+            return 100 * error <= allowed ? std::string{}
+                                          : fmt::format(" {} {:.1f}%", flag, std::ceil(1000 * error + 1e-6) / 10);
+        };
+        return text + fmt::format("; the same command with --resume{}{} takes the sample as it is",
+                                  option("--total-error", total, request_.total_error),
+                                  option("--pore-error", worst, request_.pore_error));
     }
 
     std::int64_t share_count(std::int64_t count) const {
@@ -194,7 +211,7 @@ class Carving {
                 fmt::format("no pore is {:g} particles across or more: none is judged by itself, only their total is",
                             request_.carve.judged_across));
         const double empty = carver_->empty_share(assessment_);
-        if (!go_on && empty > 0.5 && request_.max_iterations > 0)
+        if (!go_on && empty > masked_from && request_.max_iterations > 0)
             reporter_.warn(
                 fmt::format("the sample is masked already: {:.0f} % of the pores' volume has no particles; they can "
                             "only grow from there, a dense sample (vol2pack --relabel 0=1) is the better start",
@@ -314,6 +331,11 @@ class Carving {
             std::filesystem::remove(state_file_, ignored);
         });
         if (!first_) return;
+        for (const PoreState& pore : assessment_.pores)
+            if (pore.kind == PoreKind::closed && pore.measure.leaks)
+                reporter_.warn(fmt::format("pore {} opens into another one or to the outside; its volume is counted as "
+                                           "far as the image's pore is the nearest",
+                                           pore.number));
         const CarveRow& row = rows_.back();
         reporter_.report("particles", static_cast<std::int64_t>(sample_.size()));
         reporter_.report("iterations", row.iteration);

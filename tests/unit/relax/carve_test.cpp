@@ -78,21 +78,21 @@ TEST_F(Carve, TakesTheInnermostParticlesFirst) {
 TEST_F(Carve, ReachesTheVolumeOfPoresThatFacesCut) {
     // Half of one, a quarter of another, and one behind a wall of a particle.
     const std::vector<std::pair<Vec3, double>> balls{
-        {{0, edge / 2, edge / 2}, 5.0}, {{edge, edge, edge / 2}, 6.0}, {{edge / 2, 0.25 * edge, edge - 5.5}, 4.5}};
+        {{0, edge / 2, edge / 2}, 3.5}, {{edge, edge, edge / 2}, 5.0}, {{10, 3.7, 5}, 2.7}};
     Carver carver(image([&](const Vec3& p) {
                       return std::any_of(balls.begin(), balls.end(), [&](const auto& ball) {
                           return (p - ball.first).norm() < ball.second;
                       });
                   }),
-                  sample, {.min_across = 3, .judged_across = 7});
-    carver.measure_density(sample);
+                  sample, {.pore_error = 0.1, .min_across = 3, .judged_across = 5});
+    carver.set_density(0.66);
     Assessment assessment = carver.assess(sample);
     ASSERT_EQ(assessment.cut.count, 3);
     EXPECT_EQ(assessment.closed.count, 0);
     EXPECT_EQ(assessment.judged, 3);
     const auto ball = [](double radius) { return 4.0 / 3 * std::numbers::pi * std::pow(radius, 3); };
-    EXPECT_NEAR(assessment.cut.target / (ball(5) / 2 + ball(6) / 4 + ball(4.5)), 1, 0.02);
-    EXPECT_EQ(assessment.cut.volume, 0);
+    EXPECT_NEAR(assessment.cut.target / (ball(3.5) / 2 + ball(5) / 4 + ball(2.7)), 1, 0.02);
+    EXPECT_LT(assessment.cut.volume, 0.03 * assessment.cut.target);  // gaps at the faces of a packing cut off
     for (int k = 0; k < 6 && !carver.is_done(assessment); ++k) {
         erase(sample, carver.next_removal(sample, assessment, k == 0));
         assessment = carver.assess(sample);
@@ -119,14 +119,14 @@ TEST_F(Carve, FindsWhereTheMaterialEnds) {
 
 TEST_F(Carve, MasksVoidThatPassesThroughOnceAndDoesNotJudgeIt) {
     const auto from_axis = [](const Vec3& p) { return std::hypot(p[0] - 3, p[1] - 3); };
-    Carver carver(image([&](const Vec3& p) { return (p - middle).norm() < 4 || from_axis(p) < 2.5; }), sample,
+    Carver carver(image([&](const Vec3& p) { return (p - middle).norm() < 4 || from_axis(p) < 1.8; }), sample,
                   {.judged_across = 6});
     carver.measure_density(sample);
     Assessment assessment = carver.assess(sample);
     EXPECT_EQ(assessment.judged, 1);
     EXPECT_NEAR(assessment.all.target, 4.0 / 3 * 3.14159 * 64, 5);
     erase(sample, carver.next_removal(sample, assessment, true));
-    for (const Vec3& point : sample.position) EXPECT_GT(from_axis(point), 2.2);
+    for (const Vec3& point : sample.position) EXPECT_GT(from_axis(point), 1.6);
     sample.position[0] = Vec3(3, 3, 9);
     assessment = carver.assess(sample);
     const auto places = carver.next_removal(sample, assessment, false);
