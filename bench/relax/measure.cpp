@@ -2,8 +2,8 @@
 //
 // usage: measure [BRICK_PARTICLES]
 // Prints, for each density and diameter, the error of both volumes (mean and standard deviation over random places of
-// the sphere), and the bias that would have made the mean right, in seed radii. Then the same of spheres that the end of
-// the material cuts: the packing ends there, as a sample does at a face of its image.
+// the sphere), and the bias that would have made the mean right, in seed radii. Then the same of spheres that the end
+// of the material cuts: the packing ends there, as a sample does at a face of its image.
 #include <array>
 #include <cmath>
 #include <cstdio>

@@ -51,8 +51,7 @@ std::vector<VoidPart> void_parts(const Components& void_components) {
         for (int c = 0; c < 3; ++c) {
             part.wall_low[c] = part.low[c] * spacing[c];
             part.wall_high[c] = (size[c] - 1 - part.high[c]) * spacing[c];
-            part.centre[c] =
-                number.origin()[c] + spacing[c] * (sum[i][c] / static_cast<double>(part.voxels) + 0.5);
+            part.centre[c] = number.origin()[c] + spacing[c] * (sum[i][c] / static_cast<double>(part.voxels) + 0.5);
         }
     }
     return parts;

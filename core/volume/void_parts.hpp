@@ -11,9 +11,9 @@ namespace tomodem {
 struct VoidPart {
     std::int32_t number = 0;  ///< from 1, in raster order of the first voxels
     std::int64_t voxels = 0;
-    double volume = 0;            ///< mm^3
-    Vec3 centre = Vec3::Zero();   ///< mm
-    VoxelIndex low{}, high{};     ///< first and last voxel along each axis
+    double volume = 0;                                       ///< mm^3
+    Vec3 centre = Vec3::Zero();                              ///< mm
+    VoxelIndex low{}, high{};                                ///< first and last voxel along each axis
     Vec3 wall_low = Vec3::Zero(), wall_high = Vec3::Zero();  ///< between it and the image's faces [mm]; 0: it meets one
 
     double diameter() const;  ///< of the sphere of its volume [mm]

@@ -122,8 +122,12 @@ ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int t
         objects.largest_share = static_cast<double>(largest) / static_cast<double>(histogram.at(phase.label));
         if (of_labels || objects.largest_share < most_of_a_phase) continue;
         const std::vector<double>& thickness = thickness_of(phase.label);
-        objects.tangled = !thickness.empty() && equivalent_diameter(static_cast<double>(largest) * voxel_volume) >
-                                                    compact * thickness[thickness.size() / 2];
+        if (thickness.empty() || equivalent_diameter(static_cast<double>(largest) * voxel_volume) <
+                                     compact * thickness[thickness.size() / 2])
+            continue;
+        objects.tangled = true;
+        objects.median = thickness[thickness.size() / 2];
+        objects.smallest = thickness[thickness.size() / 20];
     }
     if (!histogram.contains(0)) return found;
 

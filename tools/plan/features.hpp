@@ -17,8 +17,8 @@ struct Feature {
     Kind kind = Kind::objects;
     std::string of;          ///< name of the phase; "void" for pores
     std::int64_t count = 0;  ///< places measured, of struts; 0: objects that are still to be separated
-    /// Half of the volume is in larger ones (struts, and objects still to be separated: half of the surface has thicker
-    /// ones behind it) [mm].
+    /// Half of the volume is in larger ones (struts, objects that are tangled or still to be separated: half of the
+    /// surface has thicker ones behind it) [mm].
     double median = 0;
     double smallest = 0;  ///< of struts: a twentieth of the surface has thinner ones behind it [mm]
     /// Of objects by components: one part holds over 90 % of the phase, and is no compact body.
@@ -38,10 +38,11 @@ struct ImageFeatures {
 
 /// Objects are the connected components (by faces) of the phases that the scene marks `objects = true`, or without any
 /// of all phases but the one with the most voxels; of at least 27 voxels, their size is the diameter of the sphere of
-/// the same volume. Objects that have a label each are those labels; of objects that are still to be separated the
-/// thickness of their phase is measured, as of struts. Pores are components of void that reach no face of the image.
-/// Struts are measured where void that does reach a face is over 30 % of the image: at places spread evenly over the
-/// solid's surface, the length of the normal that runs inwards to the next surface (the diameter of a rod).
+/// the same volume. Objects that have a label each are those labels; of objects that are still to be separated, or
+/// whose largest component holds over 90 % of their phase and is no compact body, the thickness of their phase is
+/// measured, as of struts. Pores are components of void that reach no face of the image. Struts are measured where void
+/// that does reach a face is over 30 % of the image: at places spread evenly over the solid's surface, the length of
+/// the normal that runs inwards to the next surface (the diameter of a rod).
 ///
 /// @param volume    as the sample will have it: with a label for each phase
 /// @param labelled  the objects that had labels of their own; nullptr: none

@@ -188,10 +188,13 @@ void note_objects(const ImageFeatures& image, ObjectsBy by, cli::Tool& tool) {
                             "the phase at places spread over its surface",
                             one.of));
         if (one.tangled)
-            tool.note(fmt::format(
-                "one connected part holds {:.0f} % of {} and is no compact body: if it is made of objects that touch "
-                "(grains, fibres), they would count as one, and --objects watershed separates them",
-                100 * one.largest_share, one.of));
+            tool.note(
+                fmt::format("one connected part holds {:.0f} % of {} and is no compact body, so its thickness is taken "
+                            "for its size; "
+                            "if it is made of objects that touch (grains, fibres), they would count as one, and "
+                            "--objects watershed "
+                            "separates them",
+                            100 * one.largest_share, one.of));
     }
 }
 
@@ -225,11 +228,11 @@ void note_stress(const ImageFeatures& image, const Scene& scene, double seed_rad
         tool.note(fmt::format(
             "the stress of this sample would be unreliable: {}, {:.3g} are the fewest that were measured; {:.0f} "
             "particles (--pixels-per-seed {:.3g}) would do{}",
-            one.quantity == Quantity::foam_stress        ? fmt::format("its struts are {:.2g} particles across",
-                                                                       one.resolution)
-            : one.quantity == Quantity::composite_stress ? fmt::format("its objects are {:.2g} particles across",
-                                                                       one.resolution)
-                                                         : fmt::format("it has {:.0f} particles", one.resolution),
+            one.quantity == Quantity::foam_stress
+                ? fmt::format("its struts are {:.2g} particles across", one.resolution)
+            : one.quantity == Quantity::composite_stress
+                ? fmt::format("its objects are {:.2g} particles across", one.resolution)
+                : fmt::format("it has {:.0f} particles", one.resolution),
             one.needed, one.particles, one.seed_radius / image.voxel,
             one.cpu_seconds > 0 ? fmt::format(", for about {:.2g} s of CPU time", one.cpu_seconds) : ""));
 }
@@ -239,13 +242,16 @@ void note_limits(const Plan& plan, const ImageFeatures& image, const Scene& scen
     for (const std::string& why : plan.left_out) tool.note(why);
     const PoreCount pores = count_pores(image, plan.proposal.seed_radius);
     if (carved && pores.cut > 0)
-        tool.note(fmt::format("{} of {} pores that carve takes out meet a face of the image or come within two "
-                              "particles of one; the errors are those of pores inside",
-                              pores.cut, pores.cut + pores.closed));
+        tool.note(
+            fmt::format("{} of {} pores that carve takes out meet a face of the image or come within two "
+                        "particles of one; the errors are those of pores inside",
+                        pores.cut, pores.cut + pores.closed));
     if (!carved && std::find(plan.of.begin(), plan.of.end(), Quantity::pore_volume) != plan.of.end())
-        tool.note(fmt::format("the pores are not carved ({}): relaxation changes their volume by some per cent "
-                              "(docs/relaxation.md), which the predicted error does not include",
-                              not_carved(image, scene).value_or("none is large enough and inside the image")));
+        tool.note(fmt::format(
+            "the pores are not carved ({}): relaxation changes their volume by some per cent "
+            "(docs/relaxation.md), which the predicted error does not include",
+            not_carved(image, scene)
+                .value_or("each passes through the image, or nearly so, or is less than 4 particles across")));
     // Of the scenes of pipelines/trade.
     constexpr double deepest = 0.36;
     for (const LoadStep& step : scene.steps)
@@ -279,7 +285,7 @@ std::string packgen_command(double particles, double density) {
 
 /// The image as vol2pack reads it, and the command that makes it; a watershed writes a new one.
 struct ImageForSample {
-    std::string arguments;               ///< file and options
+    std::string arguments;              ///< file and options
     std::vector<std::string> commands;  ///< before
 };
 
@@ -302,8 +308,8 @@ std::vector<std::string> commands(const Request& request, const Proposal& found,
     for (const Phase& phase : scene.phases)
         if (phase.objects) objects.push_back(phase.label);
     const std::string told_apart = vol2pack_options(by, objects, ranges);
-    const ImageForSample made = image_for_sample(
-        request.volume, carved ? filled(relabel, image.labels.front()) : relabel, by, ranges, tool);
+    const ImageForSample made =
+        image_for_sample(request.volume, carved ? filled(relabel, image.labels.front()) : relabel, by, ranges, tool);
     std::vector<std::string> lines{packgen_command(found.particles, found.density)};
     lines.insert(lines.end(), made.commands.begin(), made.commands.end());
     lines.push_back(fmt::format("vol2pack brick.h5 {} --pixels-per-seed {:.4g}{}{}", made.arguments,
@@ -452,9 +458,10 @@ void plan_for_size(const Request& request, cli::Tool& tool) {
     note_stress(image, made, plan.seed_radius, request.density, shipped_trade(), tool);
     if (const PoreCount pores = count_pores(image, plan.seed_radius);
         pores.carvable() && pores.open == 0 && !not_carved(image, made))
-        tool.note(fmt::format("{} pores would change their volume by some per cent as the sample relaxes; carve keeps it "
-                              "(docs/relaxation.md), and --error proposes it",
-                              pores.closed + pores.cut));
+        tool.note(
+            fmt::format("{} pores would change their volume by some per cent as the sample relaxes; carve keeps it "
+                        "(docs/relaxation.md), and --error proposes it",
+                        pores.closed + pores.cut));
     const ImageForSample sample = image_for_sample(request.volume, request.volume.relabel, plan.by, plan.ranges, tool);
     std::vector<std::string> lines{packgen_command(plan.particles, request.density)};
     lines.insert(lines.end(), sample.commands.begin(), sample.commands.end());

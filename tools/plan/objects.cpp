@@ -48,13 +48,15 @@ std::int32_t phase_of_objects(const Scene& scene) {
             label = phase.label;
         }
     if (marked.size() > 1)
-        throw InvalidInput(fmt::format("scene '{}' marks the objects of {} phases ({}): --objects watershed and labels "
-                                       "tell those of one apart; leave objects = true at one, or use --objects components",
-                                       scene.path.string(), marked.size(), fmt::join(marked, ", ")));
+        throw InvalidInput(
+            fmt::format("scene '{}' marks the objects of {} phases ({}): --objects watershed and labels "
+                        "tell those of one apart; leave objects = true at one, or use --objects components",
+                        scene.path.string(), marked.size(), fmt::join(marked, ", ")));
     if (marked.empty() && scene.phases.size() > 1)
-        throw InvalidInput(fmt::format("scene '{}' marks no phase with objects = true, which --objects watershed and "
-                                       "labels need",
-                                       scene.path.string()));
+        throw InvalidInput(
+            fmt::format("scene '{}' marks no phase with objects = true, which --objects watershed and "
+                        "labels need",
+                        scene.path.string()));
     return label;
 }
 

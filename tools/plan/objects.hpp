@@ -31,8 +31,8 @@ bool looks_labelled(const LabelVolume& volume);
 /// More values than these are a grey image, or objects with a label each; as for volume_info.
 inline constexpr std::size_t most_phases = 16;
 
-/// The one phase whose objects a watershed or the image's labels make: the one that the scene marks `objects = true`, or
-/// its only phase.
+/// The one phase whose objects a watershed or the image's labels make: the one that the scene marks `objects = true`,
+/// or its only phase.
 /// @throws InvalidInput if the scene marks none of several, or more than one
 std::int32_t phase_of_objects(const Scene& scene);
 

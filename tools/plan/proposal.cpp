@@ -192,8 +192,7 @@ class Search {
             const TradeCurve& curve = trade.curve.at(quantity);
             PredictedError error;
             error.quantity = quantity;
-            error.resolution =
-                resolution_of(quantity, image_, request_.smallest, tried.seed_radius, trade.density);
+            error.resolution = resolution_of(quantity, image_, request_.smallest, tried.seed_radius, trade.density);
             error.parts = curve.error(error.resolution, tried.choice.step);
             error.parts.rates = std::max(decades * curve.rate_error.value_or(0), is_stress(quantity) ? misfit : 0.0);
             tried.errors.push_back(error);
@@ -393,9 +392,9 @@ std::vector<CoarseStress> coarse_stresses(const ImageFeatures& image, const Scen
     coarse.particles = particles_of(image, coarse.seed_radius, density);
     if (curve != trade->second.curve.end()) try {
             const Model model = compile_model(scene, outline(image, coarse.seed_radius));
-            coarse.cpu_seconds = curve->second.particle_step * coarse.particles *
-                                     static_cast<double>(steps_of(scene, model)) +
-                                 prepare_seconds_of(curve->second, coarse.particles);
+            coarse.cpu_seconds =
+                curve->second.particle_step * coarse.particles * static_cast<double>(steps_of(scene, model)) +
+                prepare_seconds_of(curve->second, coarse.particles);
         } catch (const InvalidInput&) {
             // solve says what the scene cannot do; what it would cost is not known then.
         }
@@ -406,8 +405,7 @@ Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const Tra
     Plan plan;
     const Scene scene = readable_scene(request.scene_text, request.scene_name);
     check_asked(request.of, image);
-    plan.of =
-        request.of.empty() ? quantities_of(image, scene, table, request.smallest, plan.left_out) : request.of;
+    plan.of = request.of.empty() ? quantities_of(image, scene, table, request.smallest, plan.left_out) : request.of;
     Found found = search_laws(image, request, table, plan.of);
     if (!found.closest && request.of.empty())
         for (const std::vector<Quantity>& some : fewer(plan.of)) {

@@ -121,7 +121,8 @@ std::vector<SolidLabel> solid_labels(const LabelVolume& volume, const LabelledOb
             continue;
         }
         for (std::size_t k = 0; k < components.voxels.size(); ++k)
-            if (one.label == components.label[k]) one.largest_object = std::max(one.largest_object, components.voxels[k]);
+            if (one.label == components.label[k])
+                one.largest_object = std::max(one.largest_object, components.voxels[k]);
     }
     std::stable_sort(solid.begin(), solid.end(),
                      [](const SolidLabel& a, const SolidLabel& b) { return a.voxels > b.voxels; });
@@ -181,8 +182,8 @@ SamplePlan plan_sample(const LabelVolume& volume, const std::vector<SolidLabel>&
         largest = std::max(largest, one.largest_object);
     }
     if (plan.objects.empty())
-        throw InvalidInput(fmt::format("scene '{}' marks objects of phases that the image does not have",
-                                       scene->path.string()));
+        throw InvalidInput(
+            fmt::format("scene '{}' marks objects of phases that the image does not have", scene->path.string()));
     std::sort(plan.objects.begin(), plan.objects.end());
     plan.by = request.by;
     plan.ranges = request.ranges;

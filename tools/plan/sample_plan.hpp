@@ -49,21 +49,22 @@ LoadPlan load_of(const Scene& scene, const std::string& scene_text);
 struct SamplePlan {
     std::map<std::int32_t, std::string> names;  ///< of the solid labels
     ObjectsBy by = ObjectsBy::components;
-    std::vector<std::int32_t> objects;          ///< labels that consist of objects, rising
-    std::vector<LabelObjects> ranges;           ///< of objects with labels of their own
-    std::int32_t shown = 0;                     ///< the label that pictures and meshes show alone
-    bool inclusions = false;                    ///< there is more than the matrix
-    double pixels_per_seed = 0;                 ///< radius of a particle [voxels]
-    double seed_radius = 0;                     ///< [mm]
-    double particles = 0;                       ///< expected number
-    std::int64_t min_component = 0;             ///< smaller components are taken out of the image [voxels]
-    double probe_radius = 0;                    ///< of the surfaces [mm]
+    std::vector<std::int32_t> objects;  ///< labels that consist of objects, rising
+    std::vector<LabelObjects> ranges;   ///< of objects with labels of their own
+    std::int32_t shown = 0;             ///< the label that pictures and meshes show alone
+    bool inclusions = false;            ///< there is more than the matrix
+    double pixels_per_seed = 0;         ///< radius of a particle [voxels]
+    double seed_radius = 0;             ///< [mm]
+    double particles = 0;               ///< expected number
+    std::int64_t min_component = 0;     ///< smaller components are taken out of the image [voxels]
+    double probe_radius = 0;            ///< of the surfaces [mm]
     LoadPlan load;
 };
 
-/// The matrix is the label with most voxels; the others are inclusions, which consist of objects, unless the scene marks
-/// other phases with `objects = true`. Without a scene of the user, the matrix gets the constants of phase A of the thesis (94 MPa at 1e-3 /s, hardly rate-sensitive)
-/// and inclusions those of its phase B (170 MPa, M = 0.49), pressed along z to a strain of -0.3.
+/// The matrix is the label with most voxels; the others are inclusions, which consist of objects, unless the scene
+/// marks other phases with `objects = true`. Without a scene of the user, the matrix gets the constants of phase A of
+/// the thesis (94 MPa at 1e-3 /s, hardly rate-sensitive) and inclusions those of its phase B (170 MPa, M = 0.49),
+/// pressed along z to a strain of -0.3.
 ///
 /// In a porous image (solid below 98 %), components too small to have a shape are taken out: loose between the planes,
 /// they would carry the first load. Probes of 1.6 particle radii wrap a surface around dense particles without holes.

@@ -92,10 +92,10 @@ Carver::Carver(const LabelVolume& volume, const Packing& sample, const CarveOpti
         const Vec3& centre = pore.part.centre;
         const Vec3 allowed = pore.kind == PoreKind::cut ? Vec3::Constant(2 * diameter) : Vec3::Zero();
         if ((centre - sample_low + allowed).minCoeff() < 0 || (sample_high + allowed - centre).minCoeff() < 0)
-            throw InvalidInput(
-                fmt::format("pore {} of the volume is at {:.4g}, {:.4g}, {:.4g} mm, outside the particles of the sample "
-                            "({}); give --voxel-size, --origin and --roi as they were for the sample",
-                            pore.part.number, centre[0], centre[1], centre[2], place(sample_low, sample_high)));
+            throw InvalidInput(fmt::format(
+                "pore {} of the volume is at {:.4g}, {:.4g}, {:.4g} mm, outside the particles of the sample "
+                "({}); give --voxel-size, --origin and --roi as they were for the sample",
+                pore.part.number, centre[0], centre[1], centre[2], place(sample_low, sample_high)));
     }
     if (!any)
         throw InvalidInput(
@@ -124,7 +124,8 @@ void Carver::measure_density(const Packing& sample) {
 bool Carver::belongs(std::size_t pore, const Vec3& point) const {
     const double distance = image_.pores[pore].distance.at(point);
     if (!(distance < belonging * 2 * seed_radius_)) return false;
-    if (image_.pores[pore].kind == PoreKind::open && ((point - low_).minCoeff() < 0 || (high_ - point).minCoeff() < 0)) return false;
+    if (image_.pores[pore].kind == PoreKind::open && ((point - low_).minCoeff() < 0 || (high_ - point).minCoeff() < 0))
+        return false;
     for (const std::size_t other : neighbours_[pore])
         if (image_.pores[other].distance.at(point) < distance) return false;
     return true;
@@ -155,9 +156,7 @@ Ends Carver::ends_of(const Packing& sample) const {
     for (int c = 0; c < 3; ++c) {
         const int a = (c + 1) % 3, b = (c + 2) % 3;
         const double depth = std::min(face_depth * diameter, (image_high_ - image_low_)[c] / 3);
-        const auto count = [&](int axis) {
-            return std::max(0, static_cast<int>((high_ - low_)[axis] / step) - 2);
-        };
+        const auto count = [&](int axis) { return std::max(0, static_cast<int>((high_ - low_)[axis] / step) - 2); };
         const int columns = count(a), rows = count(b);
         for (const int side : {-1, 1}) {
             double& end = side < 0 ? ends.low[c] : ends.high[c];
@@ -257,9 +256,8 @@ bool Carver::is_done(const Assessment& assessment) const {
 
 bool Carver::has_overshot(const Assessment& assessment) const {
     return assessment.all.error() > options_.total_error ||
-           std::any_of(assessment.pores.begin(), assessment.pores.end(), [&](const PoreState& pore) {
-               return pore.judged && pore.error() > options_.pore_error;
-           });
+           std::any_of(assessment.pores.begin(), assessment.pores.end(),
+                       [&](const PoreState& pore) { return pore.judged && pore.error() > options_.pore_error; });
 }
 
 double Carver::distance_from_done(const Assessment& assessment) const {
@@ -311,8 +309,8 @@ std::vector<std::size_t> Carver::next_removal(const Packing& sample, const Asses
                 while (wanted < candidates.size() && candidates[wanted].first < 0) ++wanted;
         } else {
             const double share = options_.first_share * state.target;
-            const double lacking = first && state.measure.volume < share ? share - state.measure.volume
-                                                                         : state.lacking() * share_[k];
+            const double lacking =
+                first && state.measure.volume < share ? share - state.measure.volume : state.lacking() * share_[k];
             const double number = lacking * (state.judged || first ? 1 : of_others) / particle;
             wanted = std::min(candidates.size(), static_cast<std::size_t>(std::llround(number)));
         }
@@ -373,25 +371,25 @@ std::string table_of(const std::vector<CarveRow>& rows) {
 
 std::string pore_table(const Assessment& assessment) {
     std::string text =
-        "pore,open,cut,judged,across [particles],x [mm],y [mm],z [mm],target [mm^3],volume [mm^3],error [-],grid_error [-],"
+        "pore,open,cut,judged,across [particles],x [mm],y [mm],z [mm],target [mm^3],volume [mm^3],error [-],grid_error "
+        "[-],"
         "iou [-],surface_distance [mm],surface_spread [mm],leaks\n";
     for (const PoreState& p : assessment.pores)
-        text +=
-            fmt::format("{},{},{},{},{:.2f},{:.5g},{:.5g},{:.5g},{:.6g},{:.6g},{:.5f},{:.5f},{:.5f},{:.4g},{:.4g},{}\n",
-                        p.number, int(p.kind == PoreKind::open), int(p.kind == PoreKind::cut), int(p.judged), p.across, p.centre[0], p.centre[1], p.centre[2], p.target,
-                        p.measure.volume, p.error(), p.overlap.volume / p.target - 1, p.iou(), p.measure.distance,
-                        p.measure.spread, int(p.measure.leaks));
+        text += fmt::format(
+            "{},{},{},{},{:.2f},{:.5g},{:.5g},{:.5g},{:.6g},{:.6g},{:.5f},{:.5f},{:.5f},{:.4g},{:.4g},{}\n", p.number,
+            int(p.kind == PoreKind::open), int(p.kind == PoreKind::cut), int(p.judged), p.across, p.centre[0],
+            p.centre[1], p.centre[2], p.target, p.measure.volume, p.error(), p.overlap.volume / p.target - 1, p.iou(),
+            p.measure.distance, p.measure.spread, int(p.measure.leaks));
     return text;
 }
 
 std::vector<double> numbers_of(const std::vector<CarveRow>& rows) {
     std::vector<double> numbers;
     for (const CarveRow& r : rows)
-        numbers.insert(numbers.end(),
-                       {double(r.iteration), double(r.particles), double(r.removed), r.target, r.volume, r.total_error,
-                        r.grid_error, double(r.judged), double(r.wrong), double(r.worst), r.worst_error, r.iou,
-                        r.surface_distance, r.surface_spread, r.periods, r.energy_ratio, r.force_balance,
-                        double(r.taken_back)});
+        numbers.insert(numbers.end(), {double(r.iteration), double(r.particles), double(r.removed), r.target, r.volume,
+                                       r.total_error, r.grid_error, double(r.judged), double(r.wrong), double(r.worst),
+                                       r.worst_error, r.iou, r.surface_distance, r.surface_spread, r.periods,
+                                       r.energy_ratio, r.force_balance, double(r.taken_back)});
     return numbers;
 }
 

@@ -80,12 +80,12 @@ class Carver {
     double distance_from_done(const Assessment& assessment) const;
 
     /// Places in the sample, increasing, of the particles to take out next: in each pore as many as the volume that it
-    /// lacks would hold, at first only `first_share` of it, those farthest inside the image's pore first. Pores that are
-    /// not judged by themselves give no more than the total lacks. From open pores those within the image's.
+    /// lacks would hold, at first only `first_share` of it, those farthest inside the image's pore first. Pores that
+    /// are not judged by themselves give no more than the total lacks. From open pores those within the image's.
     std::vector<std::size_t> next_removal(const Packing& sample, const Assessment& assessment, bool first) const;
 
-    /// The last removal was too much: from pores that are now too large (or from all, if none is) half as much comes out
-    /// in future. @return false if that has been done too often to help
+    /// The last removal was too much: from pores that are now too large (or from all, if none is) half as much comes
+    /// out in future. @return false if that has been done too often to help
     bool hold_back(const Assessment& overshot);
     /// Of each pore, to be kept between processes.
     const std::vector<double>& shares() const { return share_; }

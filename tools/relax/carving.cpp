@@ -137,8 +137,9 @@ class Carving {
         together(communicator_, [&] {
             if (!first_) return;
             write_text(table_file_, table_of(rows_));
-            throw InvalidInput(fmt::format("taking particles out brings the pores no nearer to the image's than this: {}{}",
-                                           how_far(assessment_), advice()));
+            throw InvalidInput(
+                fmt::format("taking particles out brings the pores no nearer to the image's than this: {}{}",
+                            how_far(assessment_), advice()));
         });
     }
 
@@ -151,9 +152,10 @@ class Carving {
         if (rows_.front().volume > masked_from * rows_.front().target)
             text += "; the sample had pores already: start from a dense one (vol2pack --relabel 0=1)";
         else if (torn > 0)
-            text += fmt::format("; {} pores have torn their walls: finer particles (vol2pack --pixels-per-seed) make "
-                                "thicker ones",
-                                torn);
+            text += fmt::format(
+                "; {} pores have torn their walls: finer particles (vol2pack --pixels-per-seed) make "
+                "thicker ones",
+                torn);
         const double total = std::abs(assessment_.all.error()), worst = std::abs(assessment_.worst_error());
         if (std::max(total, worst) > 0.99) return text;
         const auto option = [](const char* flag, double error, double allowed) {
@@ -333,17 +335,17 @@ class Carving {
         if (!first_) return;
         for (const PoreState& pore : assessment_.pores)
             if (pore.kind == PoreKind::closed && pore.measure.leaks)
-                reporter_.warn(fmt::format("pore {} opens into another one or to the outside; its volume is counted as "
-                                           "far as the image's pore is the nearest",
-                                           pore.number));
+                reporter_.warn(
+                    fmt::format("pore {} opens into another one or to the outside; its volume is counted as "
+                                "far as the image's pore is the nearest",
+                                pore.number));
         const CarveRow& row = rows_.back();
         reporter_.report("particles", static_cast<std::int64_t>(sample_.size()));
         reporter_.report("iterations", row.iteration);
         reporter_.report("density", carver_->density());
         reporter_.report("closed_pores", assessment_.closed.count);
         reporter_.report("cut_pores", assessment_.cut.count);
-        reporter_.report("open_pores",
-                         static_cast<std::int64_t>(assessment_.pores.size()) - assessment_.all.count);
+        reporter_.report("open_pores", static_cast<std::int64_t>(assessment_.pores.size()) - assessment_.all.count);
         reporter_.report("judged_pores", assessment_.judged);
         reporter_.report("too_small_pores", carver_->too_small());
         reporter_.report("too_small_volume", carver_->too_small_volume(), "mm^3");
@@ -377,7 +379,7 @@ class Carving {
     std::vector<CarveRow> rows_;
     CarveRow last_;
     std::int64_t steps_ = 0;
-    double density_ = 0;         ///< from the state
+    double density_ = 0;          ///< from the state
     std::vector<double> shares_;  ///< likewise
     struct Reached {
         Packing sample;
@@ -385,7 +387,7 @@ class Carving {
     };
     std::optional<Reached> nearest_;  // on the first process
     std::int64_t since_nearest_ = 0;  ///< assessments
-    std::vector<double> image_;  ///< what its options make of the volume
+    std::vector<double> image_;       ///< what its options make of the volume
 };
 
 }  // namespace

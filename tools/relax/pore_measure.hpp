@@ -19,7 +19,7 @@ struct Mirrors {
     std::array<int, 3> side{0, 0, 0};  ///< of the material, along each axis: -1 its low end, 1 its high end, 0 no plane
     Vec3 plane = Vec3::Zero();         ///< where it ends [mm]
 
-    double copies() const;             ///< 2, 4 or 8 with the mirror images; 1 without a plane
+    double copies() const;               ///< 2, 4 or 8 with the mirror images; 1 without a plane
     Vec3 fold(const Vec3& point) const;  ///< into the material
     /// Part of a cube around a point on the material's side.
     double share(const Vec3& point, double edge) const;

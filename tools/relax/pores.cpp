@@ -142,8 +142,7 @@ double DistanceField::volume_within(const Vec3& corner_low, const Vec3& corner_h
         share[c].resize(size_[c], 0);
         for (std::int32_t i = std::lround(first_[c]); i <= std::lround(last_[c]); ++i) {
             const double begin = low_[c] + (i - 0.5) * spacing_[c], end = begin + spacing_[c];
-            share[c][i] =
-                std::max(0.0, std::min(end, corner_high[c]) - std::max(begin, corner_low[c])) / spacing_[c];
+            share[c][i] = std::max(0.0, std::min(end, corner_high[c]) - std::max(begin, corner_low[c])) / spacing_[c];
         }
     }
     double voxels = 0;
@@ -180,14 +179,14 @@ ImagePores find_pores(const LabelVolume& volume, double seed_radius, double min_
     std::vector<std::unique_ptr<ImagePore>> pores(kept.size());
     parallel_for(static_cast<std::int64_t>(kept.size()), threads, [&](std::int64_t k) {
         const VoidPart& part = kept[k];
-        pores[k] = std::make_unique<ImagePore>(ImagePore{part, kind_of(part, seed_radius, min_across),
+        pores[k] = std::make_unique<ImagePore>(ImagePore{part,
+                                                         kind_of(part, seed_radius, min_across),
                                                          part.diameter() / (2 * seed_radius),
                                                          {0, 0, 0},
                                                          field_around(components.number, part, reach)});
         if (pores[k]->kind != PoreKind::cut) return;
         const double thin = min_wall * 2 * seed_radius;
-        for (int c = 0; c < 3; ++c)
-            pores[k]->face[c] = part.wall_low[c] < thin ? -1 : part.wall_high[c] < thin ? 1 : 0;
+        for (int c = 0; c < 3; ++c) pores[k]->face[c] = part.wall_low[c] < thin ? -1 : part.wall_high[c] < thin ? 1 : 0;
     });
     for (auto& pore : pores) found.pores.push_back(std::move(*pore));
     return found;

@@ -41,9 +41,9 @@ std::vector<float> squared_distances(const std::vector<bool>& set, VoxelIndex si
 struct ImagePore {
     VoidPart part;
     PoreKind kind = PoreKind::closed;
-    double across = 0;                  ///< diameter of the sphere of its volume, in particles [-]
-    std::array<int, 3> face{0, 0, 0};   ///< that cuts it, along each axis: -1 the low one, 1 the high one, 0 none
-    DistanceField distance;             ///< known within `reach` of the pore
+    double across = 0;                 ///< diameter of the sphere of its volume, in particles [-]
+    std::array<int, 3> face{0, 0, 0};  ///< that cuts it, along each axis: -1 the low one, 1 the high one, 0 none
+    DistanceField distance;            ///< known within `reach` of the pore
 };
 
 struct ImagePores {

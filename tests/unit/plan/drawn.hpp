@@ -35,7 +35,8 @@ inline LabelVolume balls(const std::vector<double>& radii, std::int32_t inside, 
     });
 }
 
-/// Rods of radius 5 voxels along the three axes, 30 apart, and a ball of void in the node in the middle, with a shell around a large one.
+/// Rods of radius 5 voxels along the three axes, 30 apart, and a ball of void in the node in the middle, with a shell
+/// around a large one.
 inline LabelVolume foam_with_pores(double radius) {
     return volume(90, [=](const Vec3& at) {
         if ((at - Vec3::Constant(45)).norm() < radius) return 0;

@@ -143,7 +143,8 @@ TEST(Plan, RejectsAnErrorOutOfReachWithTheLeastAndWhatLimitsIt) {
     request.error = 0.01;
     EXPECT_THAT([&] { planned(drawn::balls({12}, 2), drawn::two_phases, request); },
                 ThrowsMessage<InvalidInput>(AllOf(HasSubstr("an error of 1 % is out of reach: the smallest is 2.5 %"),
-                                                  HasSubstr("law \"norton\""), HasSubstr("resolution limits it; give --error 2.5%"))));
+                                                  HasSubstr("law \"norton\""),
+                                                  HasSubstr("resolution limits it; give --error 2.5%"))));
 }
 
 TEST(Plan, RejectsAQuantityThatTheImageDoesNotHave) {
@@ -168,7 +169,8 @@ TEST(Plan, OfASceneThatNoLawCanHoldSaysWhyOfEach) {
 TEST(Plan, WithTheErrorThatARefusalNamesHasAProposal) {
     PlanRequest request;
     request.error = 0.001;
-    for (const auto& [volume, scene] : {std::pair{drawn::balls({12, 7}, 2), drawn::two_phases}, {drawn::balls({13}, 0), drawn::one_phase}})
+    for (const auto& [volume, scene] :
+         {std::pair{drawn::balls({12, 7}, 2), drawn::two_phases}, {drawn::balls({13}, 0), drawn::one_phase}})
         try {
             planned(volume, scene, request);
             FAIL() << "an error of 0.1 % is in reach";
@@ -201,7 +203,8 @@ TEST(Plan, OfAnOpenStructureLeavesOutTheFewClosedPoresInIt) {
     request.error = 0.25;
     const Plan plan = planned(drawn::foam_with_pores(3), drawn::one_phase, request);
     EXPECT_THAT(plan.of, ElementsAre(Quantity::foam_stress));
-    EXPECT_THAT(plan.left_out, ElementsAre(HasSubstr("pore_volume is left out, its error is unknown: closed pores are")));
+    EXPECT_THAT(plan.left_out,
+                ElementsAre(HasSubstr("pore_volume is left out, its error is unknown: closed pores are")));
 }
 
 TEST(Plan, LeavesOutWhatWouldNeedParticlesFinerThanVoxels) {
@@ -219,8 +222,8 @@ TEST(Plan, LeavesOutWhatNoLawOfTheSceneWasMeasuredFor) {
     request.scene_text = drawn::two_phases;
     request.scene_name = "scene.toml";
     request.error = 0.2;
-    const Plan plan = make_plan(
-        find_features(drawn::balls({12}, 2), parse_scene(drawn::two_phases, "scene.toml"), 1), request, poor);
+    const Plan plan =
+        make_plan(find_features(drawn::balls({12}, 2), parse_scene(drawn::two_phases, "scene.toml"), 1), request, poor);
     EXPECT_THAT(plan.of, ElementsAre(Quantity::shape_factor));
     EXPECT_THAT(plan.left_out, ElementsAre(HasSubstr("composite_stress is left out")));
 }
@@ -230,7 +233,8 @@ TEST(Plan, CarvesPoresOfOnePhaseWhoseObjectsTheyDoNotPart) {
     std::string text = drawn::one_phase;
     text.insert(text.find("norton"), "objects = true\n");
     const Scene marked = parse_scene(text, "scene.toml");
-    const LabelVolume pores = drawn::balls({8, 8}, 0), grains = drawn::volume(40, [](const Vec3& at) {
+    const LabelVolume pores = drawn::balls({8, 8}, 0),
+                      grains = drawn::volume(40, [](const Vec3&at) {
                           return (at - Vec3(10, 20, 20)).norm() < 8 || (at - Vec3(30, 20, 20)).norm() < 8 ? 1 : 0;
                       });
     EXPECT_FALSE(not_carved(find_features(pores, plain, 1), plain));

@@ -80,9 +80,8 @@ TEST_F(Carve, ReachesTheVolumeOfPoresThatFacesCut) {
     const std::vector<std::pair<Vec3, double>> balls{
         {{0, edge / 2, edge / 2}, 3.5}, {{edge, edge, edge / 2}, 5.0}, {{10, 3.7, 5}, 2.7}};
     Carver carver(image([&](const Vec3& p) {
-                      return std::any_of(balls.begin(), balls.end(), [&](const auto& ball) {
-                          return (p - ball.first).norm() < ball.second;
-                      });
+                      return std::any_of(balls.begin(), balls.end(),
+                                         [&](const auto& ball) { return (p - ball.first).norm() < ball.second; });
                   }),
                   sample, {.pore_error = 0.1, .min_across = 3, .judged_across = 5});
     carver.set_density(0.66);

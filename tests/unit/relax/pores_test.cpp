@@ -73,8 +73,8 @@ TEST(FindPores, TellsCutPoresAndLeavesSmallOnesOut) {
     const ImagePore& cut = found.pores[first_is_cut ? 0 : 1];
     EXPECT_EQ(cut.kind, PoreKind::cut);
     EXPECT_EQ(cut.face, (std::array<int, 3>{-1, 0, 0}));
-    EXPECT_NEAR(cut.distance.volume_within(Vec3(1.5, 1, 1), Vec3(7, 7, 7)),
-                std::numbers::pi / 3 * 0.25 * (3 - 0.5), 0.02);  // a cap half a radius high
+    EXPECT_NEAR(cut.distance.volume_within(Vec3(1.5, 1, 1), Vec3(7, 7, 7)), std::numbers::pi / 3 * 0.25 * (3 - 0.5),
+                0.02);  // a cap half a radius high
     // What the image does not show is not material: no surface at its face.
     EXPECT_NEAR(cut.distance.at(Vec3(1.05, 4.0, 4.0)), -1, 0.15);
 }

@@ -15,7 +15,8 @@ std::vector<VoidPart> parts_of(const std::function<bool(const Vec3&)>& is_void) 
     for (std::int32_t k = 0; k < 20; ++k) {
         for (std::int32_t j = 0; j < 40; ++j)
             for (std::int32_t i = 0; i < 40; ++i)
-                labels[std::size_t(j) * 40 + i] = is_void(Vec3(0.1 * (i + 0.5), 0.1 * (j + 0.5), 0.2 * (k + 0.5))) ? 0 : 1;
+                labels[std::size_t(j) * 40 + i] =
+                    is_void(Vec3(0.1 * (i + 0.5), 0.1 * (j + 0.5), 0.2 * (k + 0.5))) ? 0 : 1;
         volume.set_slice(k, labels);
     }
     return void_parts(connected_components(volume, {0}));
