@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "core/base/error.hpp"
 #include "tools/vol2pack/geometric_error.hpp"
@@ -16,30 +16,15 @@ namespace tomodem::plan {
 namespace {
 
 constexpr std::int64_t min_voxels = 27;
+/// Of a phase in one part: more is one body, or many that touch.
+constexpr double most_of_a_phase = 0.9;
+/// Diameter of the sphere of a part's volume over its thickness; of a cube 1.24. More is no compact body.
+constexpr double compact = 2;
 /// Void at the faces, share of the image: more is a foam.
 constexpr double foam_void = 0.3;
 
 double equivalent_diameter(double volume) {
     return std::cbrt(6 * volume / std::numbers::pi);
-}
-
-/// For each component, its distance from the nearest face of the image; 0: it reaches one [mm].
-std::vector<double> gaps_to_faces(const Components& components, const Vec3& spacing) {
-    std::vector<double> gap(components.voxels.size() + 1, std::numeric_limits<double>::max());
-    const VoxelIndex size = components.number.size();
-    const auto to_ends = [&](std::int32_t at, int axis) { return std::min(at, size[axis] - 1 - at) * spacing[axis]; };
-    std::vector<std::int32_t> slice;
-    for (std::int32_t k = 0; k < size[2]; ++k) {
-        components.number.slice(k, slice);
-        for (std::int32_t j = 0; j < size[1]; ++j) {
-            const double across = std::min(to_ends(k, 2), to_ends(j, 1));
-            for (std::int32_t i = 0; i < size[0]; ++i) {
-                double& nearest = gap[slice[static_cast<std::size_t>(j) * size[0] + i]];
-                nearest = std::min({nearest, across, to_ends(i, 0)});
-            }
-        }
-    }
-    return gap;
 }
 
 /// Every solid label becomes 1.
@@ -60,8 +45,8 @@ void check_labels(const std::map<std::int32_t, std::int64_t>& histogram, const S
         if (label != 0 && std::none_of(scene.phases.begin(), scene.phases.end(),
                                        [label = label](const Phase& phase) { return phase.label == label; }))
             throw InvalidInput(
-                fmt::format("scene '{}' has no phase with label {}, which the image has; add one, or rename the label "
-                            "with --relabel",
+                fmt::format("scene '{}' has no phase with label {}, which the image has; add one, rename the label "
+                            "with --relabel, or give --objects labels if each label is one object",
                             scene.path.string(), label));
     for (const Phase& phase : scene.phases)
         if (!histogram.contains(phase.label))
@@ -81,7 +66,8 @@ double median_by_volume(std::vector<double> diameters) {
     return diameters.empty() ? 0 : diameters.back();
 }
 
-ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int threads) {
+ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int threads, ObjectsBy by,
+                            const LabelledObjects* labelled) {
     const std::map<std::int32_t, std::int64_t> histogram = volume.histogram();
     check_labels(histogram, scene);
     ImageFeatures found;
@@ -89,6 +75,7 @@ ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int t
     found.origin = volume.origin();
     found.voxel = volume.spacing()[0];
     const double voxel_volume = volume.spacing().prod();
+    const double cap = found.extent.minCoeff();
     std::int32_t matrix = 0;
     for (const auto& [label, voxels] : histogram) {
         if (label == 0) continue;
@@ -97,42 +84,66 @@ ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int t
         if (matrix == 0 || voxels > histogram.at(matrix)) matrix = label;
     }
 
+    const auto add_thickness = [&](Feature::Kind kind, const std::string& name, std::vector<double>& thickness) {
+        if (thickness.empty()) return;
+        found.features.push_back({kind, name,
+                                  kind == Feature::Kind::objects ? 0 : static_cast<std::int64_t>(thickness.size()),
+                                  thickness[thickness.size() / 2], thickness[thickness.size() / 20]});
+    };
     const auto add = [&](Feature::Kind kind, const std::string& name, const std::vector<double>& diameters) {
         if (diameters.empty()) return;
         found.features.push_back({kind, name, static_cast<std::int64_t>(diameters.size()), median_by_volume(diameters),
                                   *std::min_element(diameters.begin(), diameters.end())});
     };
+    std::optional<vol2pack::ImageGeometry> geometry;
+    const auto thickness_of = [&](std::int32_t label) -> std::vector<double>& {
+        if (!geometry) geometry = vol2pack::measure_image(volume, cap, threads);
+        return geometry->label[label].thickness;
+    };
     const bool marked =
         std::any_of(scene.phases.begin(), scene.phases.end(), [](const Phase& phase) { return phase.objects; });
     for (const Phase& phase : scene.phases) {
-        if (marked ? !phase.objects : phase.label == matrix) continue;
+        const bool of_labels = labelled != nullptr && phase.label == labelled->phase;
+        if (!of_labels && (marked ? !phase.objects : phase.label == matrix)) continue;
+        if (by == ObjectsBy::watershed) {
+            add_thickness(Feature::Kind::objects, phase.name, thickness_of(phase.label));
+            continue;
+        }
+        const std::vector<std::int64_t> sizes =
+            of_labels ? labelled->voxels : connected_components(volume, {phase.label}).voxels;
         std::vector<double> diameters;
-        for (const std::int64_t voxels : connected_components(volume, {phase.label}).voxels)
+        for (const std::int64_t voxels : sizes)
             if (voxels >= min_voxels)
                 diameters.push_back(equivalent_diameter(static_cast<double>(voxels) * voxel_volume));
+        if (diameters.empty()) continue;
         add(Feature::Kind::objects, phase.name, diameters);
+        Feature& objects = found.features.back();
+        const std::int64_t largest = *std::max_element(sizes.begin(), sizes.end());
+        objects.largest_share = static_cast<double>(largest) / static_cast<double>(histogram.at(phase.label));
+        if (of_labels || objects.largest_share < most_of_a_phase) continue;
+        const std::vector<double>& thickness = thickness_of(phase.label);
+        if (thickness.empty() || equivalent_diameter(static_cast<double>(largest) * voxel_volume) <
+                                     compact * thickness[thickness.size() / 2])
+            continue;
+        objects.tangled = true;
+        objects.median = thickness[thickness.size() / 2];
+        objects.smallest = thickness[thickness.size() / 20];
     }
     if (!histogram.contains(0)) return found;
 
-    const Components voids = connected_components(volume, {0});
-    const std::vector<double> gap = gaps_to_faces(voids, volume.spacing());
     std::vector<double> diameters;
-    std::int64_t open_voxels = 0;
-    for (std::size_t k = 0; k < voids.voxels.size(); ++k) {
-        if (gap[k + 1] == 0) {
-            open_voxels += voids.voxels[k];
-        } else if (voids.voxels[k] >= min_voxels) {
-            diameters.push_back(equivalent_diameter(static_cast<double>(voids.voxels[k]) * voxel_volume));
-            found.pore_gaps.push_back(gap[k + 1]);
-        }
+    double open_volume = 0;
+    for (const VoidPart& part : void_parts(connected_components(volume, {0}))) {
+        found.void_volume += part.volume;
+        if (part.wall() == 0) open_volume += part.volume;
+        if (part.voxels < min_voxels) continue;
+        found.voids.push_back(part);
+        if (part.wall() > 0) diameters.push_back(part.diameter());
     }
     add(Feature::Kind::pores, "void", diameters);
-    if (static_cast<double>(open_voxels) * voxel_volume > foam_void * found.extent.prod()) {
-        auto geometry = vol2pack::measure_image(solid_of(volume), found.extent.minCoeff(), threads);
-        std::vector<double>& thickness = geometry.label[1].thickness;
-        if (!thickness.empty())
-            found.features.push_back({Feature::Kind::struts, "solid", static_cast<std::int64_t>(thickness.size()),
-                                      thickness[thickness.size() / 2], thickness[thickness.size() / 20]});
+    if (open_volume > foam_void * found.extent.prod()) {
+        auto solid = vol2pack::measure_image(solid_of(volume), cap, threads);
+        add_thickness(Feature::Kind::struts, "solid", solid.label[1].thickness);
     }
     return found;
 }

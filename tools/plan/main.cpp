@@ -23,7 +23,7 @@ struct Request {
     VolumeRequest volume;
     std::filesystem::path scene, proposed, table;
     double error = 0;
-    std::string of, law = "any", feature = "median";
+    std::string of, law = "any", feature = "median", objects = "auto";
     // For a given size of the particles.
     double particles = 0, pixels_per_seed = 0, density = 0.7;
     std::string labels, options, write = "all";
@@ -53,6 +53,10 @@ cli::Usage usage(Request& request) {
         .option("--of", request.of,
                 "Quantities that --error is about, separated by commas: flow_stress, composite_stress, shape_factor, "
                 "pore_volume, foam_stress. The default is all that the image and the scene have.")
+        .choice("--objects", request.objects, {"auto", "components", "watershed", "labels"},
+                "How the objects of the phase with objects = true are told apart: by its connected components, by a "
+                "watershed that separates touching ones, or by the labels of the image, which has one for each; auto "
+                "takes labels where the image has more than 16 that look like objects, else components.")
         .choice("--law", request.law, {"any", "bilin", "trilin", "norton"}, "Law that --error may propose.")
         .choice("--feature", request.feature, {"median", "smallest"},
                 "Object, pore or strut that --error resolves; the median is that by volume.")
@@ -73,7 +77,8 @@ cli::Usage usage(Request& request) {
         .exclusive({"--error", "--particles", "--pixels-per-seed"})
         .example("plan stack/ --scene scene.toml --error 5% --voxel-size 2.4um")
         .example("plan casting.tif proposed.toml --scene casting.toml --error 10% --of pore_volume")
-        .example("plan stack/ scene.toml --particles 40000 --voxel-size 2.4um");
+        .example("plan stack/ scene.toml --particles 40000 --voxel-size 2.4um")
+        .example("plan sand.tif --scene sand.toml --error 10% --objects watershed --voxel-size 5um");
     return usage;
 }
 
@@ -132,7 +137,9 @@ void report_features(const ImageFeatures& image, cli::Tool& tool) {
                                                                     : "struts";
         tool.report(one.kind == Feature::Kind::objects ? fmt::format("objects_of_{}", one.of) : kind,
                     fmt::format("{}median diameter {:.4g} mm ({:.3g} voxels), smallest {:.4g} mm",
-                                one.kind == Feature::Kind::struts ? "" : fmt::format("{} of them, ", one.count),
+                                one.kind == Feature::Kind::struts ? ""
+                                : one.count == 0                  ? "still to be separated, "
+                                                                  : fmt::format("{} of them, ", one.count),
                                 one.median, one.median / image.voxel, one.smallest));
         rows.push_back(
             {{"kind", kind}, {"of", one.of}, {"count", one.count}, {"median", one.median}, {"smallest", one.smallest}});
@@ -172,16 +179,80 @@ void report_proposal(const Proposal& found, const ImageFeatures& image, cli::Too
     tool.report("predicted_peak_bytes", static_cast<std::int64_t>(found.bytes), "B");
 }
 
+/// What is said of the objects whatever the size of the particles.
+void note_objects(const ImageFeatures& image, ObjectsBy by, cli::Tool& tool) {
+    for (const Feature& one : image.features) {
+        if (one.kind != Feature::Kind::objects) continue;
+        if (by == ObjectsBy::watershed)
+            tool.note(
+                fmt::format("the objects of {} are still to be separated: their size is taken from the thickness of "
+                            "the phase at places spread over its surface",
+                            one.of));
+        if (one.tangled)
+            tool.note(
+                fmt::format("one connected part holds {:.0f} % of {} and is no compact body, so its thickness is taken "
+                            "for its size; "
+                            "if it is made of objects that touch (grains, fibres), they would count as one, and "
+                            "--objects watershed "
+                            "separates them",
+                            100 * one.largest_share, one.of));
+    }
+}
+
+/// Pores of the image as carve would take them with particles of this size.
+struct PoreCount {
+    std::int64_t closed = 0, cut = 0, open = 0, too_small = 0;
+    bool carvable() const { return closed + cut > 0; }
+};
+
+PoreCount count_pores(const ImageFeatures& image, double seed_radius) {
+    PoreCount count;
+    for (const VoidPart& part : image.voids) switch (kind_of(part, seed_radius)) {
+            case PoreKind::closed:
+                ++count.closed;
+                break;
+            case PoreKind::cut:
+                ++count.cut;
+                break;
+            case PoreKind::open:
+                ++count.open;
+                break;
+            case PoreKind::too_small:
+                ++count.too_small;
+        }
+    return count;
+}
+
+void note_stress(const ImageFeatures& image, const Scene& scene, double seed_radius, double density,
+                 const TradeTable& table, cli::Tool& tool) {
+    for (const CoarseStress& one : coarse_stresses(image, scene, seed_radius, density, table))
+        tool.note(fmt::format(
+            "the stress of this sample would be unreliable: {}, {:.3g} are the fewest that were measured; {:.0f} "
+            "particles (--pixels-per-seed {:.3g}) would do{}",
+            one.quantity == Quantity::foam_stress
+                ? fmt::format("its struts are {:.2g} particles across", one.resolution)
+            : one.quantity == Quantity::composite_stress
+                ? fmt::format("its objects are {:.2g} particles across", one.resolution)
+                : fmt::format("it has {:.0f} particles", one.resolution),
+            one.needed, one.particles, one.seed_radius / image.voxel,
+            one.cpu_seconds > 0 ? fmt::format(", for about {:.2g} s of CPU time", one.cpu_seconds) : ""));
+}
+
 /// Notes what the errors of the table, or carve, do not hold for.
-void note_limits(const Plan& plan, const ImageFeatures& image, const Scene& scene, cli::Tool& tool) {
-    const double two_particles = 4 * plan.proposal.seed_radius;
-    const auto near =
-        std::count_if(image.pore_gaps.begin(), image.pore_gaps.end(), [&](double gap) { return gap < two_particles; });
-    if (near > 0)
+void note_limits(const Plan& plan, const ImageFeatures& image, const Scene& scene, bool carved, cli::Tool& tool) {
+    for (const std::string& why : plan.left_out) tool.note(why);
+    const PoreCount pores = count_pores(image, plan.proposal.seed_radius);
+    if (carved && pores.cut > 0)
         tool.note(
-            fmt::format("{} of {} closed pores come within two particles of a face of the image: carve takes them as "
-                        "open and leaves them as they are; take a larger part of the image, or finer particles",
-                        near, image.pore_gaps.size()));
+            fmt::format("{} of {} pores that carve takes out meet a face of the image or come within two "
+                        "particles of one; the errors are those of pores inside",
+                        pores.cut, pores.cut + pores.closed));
+    if (!carved && std::find(plan.of.begin(), plan.of.end(), Quantity::pore_volume) != plan.of.end())
+        tool.note(fmt::format(
+            "the pores are not carved ({}): relaxation changes their volume by some per cent "
+            "(docs/relaxation.md), which the predicted error does not include",
+            not_carved(image, scene)
+                .value_or("each passes through the image, or nearly so, or is less than 4 particles across")));
     // Of the scenes of pipelines/trade.
     constexpr double deepest = 0.36;
     for (const LoadStep& step : scene.steps)
@@ -191,6 +262,16 @@ void note_limits(const Plan& plan, const ImageFeatures& image, const Scene& scen
                 "another one");
             return;
         }
+}
+
+/// The user's --relabel with everything that it makes void, and void itself, made a label.
+std::string filled(const std::string& relabel, std::int32_t label) {
+    std::map<std::int32_t, std::int32_t> labels;
+    if (!relabel.empty()) labels = parse_relabel("--relabel", relabel);
+    labels.try_emplace(0, 0);
+    std::vector<std::string> texts;
+    for (const auto& [from, to] : labels) texts.push_back(fmt::format("{}={}", from, to == 0 ? label : to));
+    return fmt::format("{}", fmt::join(texts, ","));
 }
 
 std::string with_relabel(const std::string& text) {
@@ -203,30 +284,65 @@ std::string packgen_command(double particles, double density) {
                        std::clamp(particles, 1000.0, max_of_brick), density);
 }
 
-/// The commands that make the proposed run. Objects, pores: what vol2pack and carve need for them.
+/// The image as vol2pack reads it, and the command that makes it; a watershed writes a new one.
+struct ImageForSample {
+    std::string arguments;              ///< file and options
+    std::vector<std::string> commands;  ///< before
+};
+
+ImageForSample image_for_sample(const VolumeRequest& volume, const std::string& relabel, ObjectsBy by,
+                                const std::vector<LabelObjects>& ranges, cli::Tool& tool) {
+    const std::string stack = shell_quoted(volume.path), options = image_options(volume, tool) + with_relabel(relabel);
+    if (by != ObjectsBy::watershed) return {stack + " sample.h5" + options, {}};
+    return {"objects.tif sample.h5",
+            {fmt::format("separate_objects {} objects.tif{} --labels {}", stack, options, ranges.front().species)}};
+}
+
+/// The commands that make the proposed run.
+/// @param carved  pores are filled and taken out again, so that they keep their volume
 std::vector<std::string> commands(const Request& request, const Proposal& found, const ImageFeatures& image,
-                                  const Scene& scene, cli::Tool& tool) {
-    const std::string stack = shell_quoted(request.volume.path), options = image_options(request.volume, tool);
-    const std::string relabel = request.volume.relabel, proposed = shell_quoted(request.proposed.string());
+                                  const Scene& scene, bool carved, ObjectsBy by,
+                                  const std::vector<LabelObjects>& ranges, cli::Tool& tool) {
+    const std::string& relabel = request.volume.relabel;
+    const std::string proposed = shell_quoted(request.proposed.string());
     std::vector<std::int32_t> objects;
     for (const Phase& phase : scene.phases)
         if (phase.objects) objects.push_back(phase.label);
-    // A dense sample is carved: closed pores keep their volume so. With several phases void has no phase to be filled
-    // by.
-    const bool carved = !image.pore_gaps.empty() && image.labels.size() == 1;
-    const std::string filled = fmt::format("{}{}0={}", relabel, relabel.empty() ? "" : ",", image.labels.front());
-    return {packgen_command(found.particles, found.density),
-            fmt::format("vol2pack brick.h5 {} sample.h5{}{} --pixels-per-seed {:.4g}{}", stack, options,
-                        with_relabel(carved ? filled : relabel), found.seed_radius / image.voxel,
-                        objects.empty() ? "" : fmt::format(" --objects {}", fmt::join(objects, ","))),
-            carved
-                ? fmt::format("carve sample.h5 {} {} relaxed.h5{}{}", proposed, stack, options, with_relabel(relabel))
-                : fmt::format("relax sample.h5 {} relaxed.h5", proposed),
-            fmt::format("solve relaxed.h5 {} run.h5", proposed)};
+    const std::string told_apart = vol2pack_options(by, objects, ranges);
+    const ImageForSample made =
+        image_for_sample(request.volume, carved ? filled(relabel, image.labels.front()) : relabel, by, ranges, tool);
+    std::vector<std::string> lines{packgen_command(found.particles, found.density)};
+    lines.insert(lines.end(), made.commands.begin(), made.commands.end());
+    lines.push_back(fmt::format("vol2pack brick.h5 {} --pixels-per-seed {:.4g}{}{}", made.arguments,
+                                found.seed_radius / image.voxel, told_apart.empty() ? "" : " ", told_apart));
+    lines.push_back(carved ? fmt::format("carve sample.h5 {} {} relaxed.h5{}{}", proposed,
+                                         shell_quoted(request.volume.path), image_options(request.volume, tool),
+                                         with_relabel(relabel))
+                           : fmt::format("relax sample.h5 {} relaxed.h5", proposed));
+    lines.push_back(fmt::format("solve relaxed.h5 {} run.h5", proposed));
+    return lines;
 }
 
 void report_commands(const std::vector<std::string>& lines, cli::Tool& tool) {
     for (const std::string& line : lines) tool.report("command_" + line.substr(0, line.find(' ')), line);
+}
+
+/// --objects, looked at with the image.
+ObjectsBy objects_of(const Request& request, const LabelVolume& volume, cli::Tool& tool) {
+    if (request.objects == "watershed") return ObjectsBy::watershed;
+    if (request.objects == "labels") return ObjectsBy::labels;
+    if (request.objects == "components" || volume.histogram().size() <= most_phases || !looks_labelled(volume))
+        return ObjectsBy::components;
+    tool.note(fmt::format("the image has {} labels: each is taken as an object of its own (--objects labels)",
+                          volume.histogram().size()));
+    return ObjectsBy::labels;
+}
+
+std::vector<std::int32_t> labels_of(const Scene& scene, std::int32_t without) {
+    std::vector<std::int32_t> labels;
+    for (const Phase& phase : scene.phases)
+        if (phase.label != without) labels.push_back(phase.label);
+    return labels;
 }
 
 /// For a wanted error: searches the table for the cheapest setting.
@@ -249,15 +365,31 @@ void plan_for_error(const Request& given, cli::Tool& tool) {
     const TradeTable table =
         request.table.empty() ? shipped_trade() : parse_trade(read_text(request.table), request.table.string());
 
-    const LabelVolume volume = read_volume(request.volume, volume_options(request.volume), tool);
-    const ImageFeatures image = find_features(volume, scene, tool.threads());
+    LabelVolume volume = read_volume(request.volume, volume_options(request.volume), tool);
+    const ObjectsBy by = objects_of(request, volume, tool);
+    std::optional<LabelledObjects> labelled;
+    std::vector<LabelObjects> ranges;
+    if (by == ObjectsBy::labels) {
+        const std::int32_t phase = phase_of_objects(scene);
+        labelled = take_labels(volume, phase, labels_of(scene, phase));
+        ranges = labelled->ranges;
+    } else if (by == ObjectsBy::watershed) {
+        const std::int32_t phase = phase_of_objects(scene);
+        ranges = {separated_range(labels_of(scene, phase), phase)};
+    }
+    const ImageFeatures image = find_features(volume, scene, tool.threads(), by, labelled ? &*labelled : nullptr);
     report_features(image, tool);
+    note_objects(image, by, tool);
     const Plan plan = make_plan(image, wanted, table);
     // Files that the scene names are looked for beside it: also beside the new one?
     parse_scene(plan.proposal.scene, request.proposed.string());
 
+    const bool carved = std::find(plan.of.begin(), plan.of.end(), Quantity::pore_volume) != plan.of.end() &&
+                        !not_carved(image, scene) && count_pores(image, plan.proposal.seed_radius).carvable();
     report_proposal(plan.proposal, image, tool);
-    note_limits(plan, image, scene, tool);
+    note_limits(plan, image, scene, carved, tool);
+    note_stress(image, parse_scene(plan.proposal.scene, wanted.scene_name), plan.proposal.seed_radius,
+                plan.proposal.density, table, tool);
     for (const auto& [law, why] : plan.not_taken) tool.note(fmt::format("not law \"{}\": {}", law, why));
     for (const Proposal& other : plan.other_laws)
         tool.note(fmt::format("law \"{}\" would take {:.0f} particles and {:.3g} s", other.choice.law, other.particles,
@@ -266,7 +398,7 @@ void plan_for_error(const Request& given, cli::Tool& tool) {
         if (!flow.outside.empty())
             tool.note(fmt::format("[phase.{}] would be outside its calibration: {}", flow.phase,
                                   fmt::join(flow.outside, "; ")));
-    report_commands(commands(request, plan.proposal, image, scene, tool), tool);
+    report_commands(commands(request, plan.proposal, image, scene, carved, by, ranges, tool), tool);
     tool.report("table", fmt::format("{}; seconds are those of {}", table.name, table.processor));
     write_text(request.proposed, plan.proposal.scene);
 }
@@ -304,21 +436,40 @@ void plan_for_size(const Request& request, cli::Tool& tool) {
     wanted.density = request.density;
     if (tool.given("--labels")) wanted.names = parse_label_names("--labels", request.labels);
 
-    const LabelVolume volume = read_volume(request.volume, volume_options(request.volume), tool);
-    const SamplePlan plan = plan_sample(volume, solid_labels(volume), wanted, scene, scene_text);
+    LabelVolume volume = read_volume(request.volume, volume_options(request.volume), tool);
+    wanted.by = objects_of(request, volume, tool);
+    std::optional<LabelledObjects> labelled;
+    if (wanted.by == ObjectsBy::labels) {
+        const std::int32_t phase = scene ? phase_of_objects(*scene) : 1;
+        labelled = take_labels(volume, phase, scene ? labels_of(*scene, phase) : std::vector<std::int32_t>{});
+        wanted.ranges = labelled->ranges;
+    }
+    const LabelledObjects* const objects = labelled ? &*labelled : nullptr;
+    const SamplePlan plan = plan_sample(volume, solid_labels(volume, objects), wanted, scene, scene_text);
     const std::map<std::string, std::string> options = sample_options(plan);
     tool.report("pixels_per_seed", plan.pixels_per_seed, "voxels");
     tool.report("seed_radius", plan.seed_radius, "mm");
     tool.report("particles", static_cast<std::int64_t>(std::llround(plan.particles)));
     tool.report("min_component", plan.min_component, "voxels");
     tool.report("probe_radius", plan.probe_radius, "mm");
-    report_commands(
-        {packgen_command(plan.particles, request.density),
-         fmt::format("vol2pack brick.h5 {} sample.h5{}{} {}", shell_quoted(request.volume.path),
-                     image_options(request.volume, tool), with_relabel(request.volume.relabel), options.at("vol2pack")),
-         fmt::format("relax sample.h5 {} relaxed.h5", shell_quoted(request.proposed.string())),
-         fmt::format("solve relaxed.h5 {} run.h5", shell_quoted(request.proposed.string()))},
-        tool);
+    const Scene made = parse_scene(plan.load.scene, request.proposed.string());
+    const ImageFeatures image = find_features(volume, made, tool.threads(), plan.by, objects);
+    report_features(image, tool);
+    note_objects(image, plan.by, tool);
+    note_stress(image, made, plan.seed_radius, request.density, shipped_trade(), tool);
+    if (const PoreCount pores = count_pores(image, plan.seed_radius);
+        pores.carvable() && pores.open == 0 && !not_carved(image, made))
+        tool.note(
+            fmt::format("{} pores would change their volume by some per cent as the sample relaxes; carve keeps it "
+                        "(docs/relaxation.md), and --error proposes it",
+                        pores.closed + pores.cut));
+    const ImageForSample sample = image_for_sample(request.volume, request.volume.relabel, plan.by, plan.ranges, tool);
+    std::vector<std::string> lines{packgen_command(plan.particles, request.density)};
+    lines.insert(lines.end(), sample.commands.begin(), sample.commands.end());
+    lines.push_back(fmt::format("vol2pack brick.h5 {} {}", sample.arguments, options.at("vol2pack")));
+    lines.push_back(fmt::format("relax sample.h5 {} relaxed.h5", shell_quoted(request.proposed.string())));
+    lines.push_back(fmt::format("solve relaxed.h5 {} run.h5", shell_quoted(request.proposed.string())));
+    report_commands(lines, tool);
     tool.report_json("options", options);
     if (request.write != "load") write_options(options, request.options);
     if (request.write != "sample") write_load(plan.load, request);

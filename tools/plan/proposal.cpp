@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -17,6 +18,14 @@ namespace {
 /// Settings between two points of the table that are tried, and the ratio of two seed radii tried.
 constexpr int steps_between = 4;
 constexpr double radius_ratio = 1.03;
+/// Particles finer than voxels show no more of the image [voxels].
+constexpr double finest_seed = 0.5;
+/// What vol2pack makes unless told otherwise.
+constexpr double most_particles = 5e7;
+/// Pores whose share of an open structure's void is smaller come with it, they are not what it is about.
+constexpr double minor_pores = 0.1;
+/// A strut of fewer particles across does not carry its stress, whatever the law.
+constexpr double thinnest_strut = 3;
 
 double volume_of_particle(double radius, double density) {
     return 4 * std::numbers::pi / 3 * std::pow(radius, 3) / density;
@@ -49,13 +58,53 @@ Packing outline(const ImageFeatures& image, double seed_radius) {
     return sample;
 }
 
-std::vector<double> steps_to_try(const std::vector<double>& measured) {
-    std::vector<double> steps{measured.front()};
-    for (std::size_t k = 1; k < measured.size(); ++k)
+/// Of all quantities, and between them; none coarser than each of them was measured with.
+std::vector<double> steps_to_try(const LawTrade& trade, const std::vector<Quantity>& of) {
+    std::set<double> measured;
+    double coarsest = std::numeric_limits<double>::infinity();
+    for (const Quantity quantity : of) {
+        const std::vector<double>& step = trade.curve.at(quantity).step;
+        measured.insert(step.begin(), step.end());
+        coarsest = std::min(coarsest, step.back());
+    }
+    measured.erase(measured.upper_bound(coarsest), measured.end());
+    std::vector<double> steps;
+    for (const double step : measured) {
+        if (steps.empty()) {
+            steps.push_back(step);
+            continue;
+        }
+        const double before = steps.back();
         for (int part = 1; part <= steps_between; ++part)
-            steps.push_back(measured[k - 1] *
-                            std::pow(measured[k] / measured[k - 1], static_cast<double>(part) / steps_between));
+            steps.push_back(before * std::pow(step / before, static_cast<double>(part) / steps_between));
+    }
     return steps;
+}
+
+double particles_of(const ImageFeatures& image, double radius, double density) {
+    return image.solid_volume / volume_of_particle(radius, density);
+}
+
+double radius_for(Quantity quantity, const ImageFeatures& image, bool smallest, double resolution, double density) {
+    if (quantity == Quantity::flow_stress)
+        return std::cbrt(image.solid_volume / resolution * density * 3 / (4 * std::numbers::pi));
+    return *feature_of(quantity, image, smallest) / (2 * resolution);
+}
+
+double resolution_of(Quantity quantity, const ImageFeatures& image, bool smallest, double radius, double density) {
+    if (quantity == Quantity::flow_stress) return particles_of(image, radius, density);
+    return *feature_of(quantity, image, smallest) / (2 * radius);
+}
+
+std::int64_t steps_of(const Scene& scene, const Model& model) {
+    std::int64_t steps = 0;
+    for (const LoadSegment& segment : load_path(scene, model.time_step)) steps += segment.steps;
+    if (model.law->traits().planes_pull) steps += relaxation_steps(model, seating_periods);
+    return steps;
+}
+
+double prepare_seconds_of(const TradeCurve& curve, double particles) {
+    return curve.prepare[0] + curve.prepare[1] * particles * std::cbrt(particles / 1000);
 }
 
 /// Everything that is looked through.
@@ -73,7 +122,7 @@ class Search {
                 throw InvalidInput(fmt::format("the table has no {} of it", name_of(quantity)));
         std::optional<Proposal> found;
         std::string refused;
-        for (const double step : steps_to_try(trade.curve.at(of_.front()).step)) {
+        for (const double step : steps_to_try(trade, of_)) {
             Proposal tried;
             tried.choice = {law, step};
             tried.density = trade.density;
@@ -91,7 +140,7 @@ class Search {
                     break;
                 }
                 if (!closest || tried.error() < closest->error()) closest = tried;
-                if (tried.error() <= request_.error) {
+                if (tried.error() <= request_.error * (1 + 1e-6)) {  // a request may have been rounded
                     if (!found || cost(tried) < cost(*found)) found = tried;
                     break;
                 }
@@ -105,34 +154,31 @@ class Search {
     static double cost(const Proposal& one) { return one.cpu_seconds + one.prepare_seconds; }
 
  private:
-    double resolution(Quantity quantity, double radius, double density) const {
-        if (quantity == Quantity::flow_stress) return image_.solid_volume / volume_of_particle(radius, density);
-        return *feature_of(quantity, image_, request_.smallest) / (2 * radius);
-    }
-    double radius(Quantity quantity, double resolution, double density) const {
-        if (quantity == Quantity::flow_stress)
-            return std::cbrt(image_.solid_volume / resolution * density * 3 / (4 * std::numbers::pi));
-        return *feature_of(quantity, image_, request_.smallest) / (2 * resolution);
-    }
     /// Coarsest radius at which something is known of every quantity, and the one finer than which nothing improves.
     std::pair<double, double> radii(const LawTrade& trade) const {
         double coarsest = 1e300, finest = 1e300;
         for (const Quantity quantity : of_) {
-            const TradeCurve& curve = trade.curve.at(quantity);
-            coarsest = std::min(coarsest, radius(quantity, curve.resolution.front(), trade.density));
-            finest = std::min(finest, radius(quantity, curve.resolution.back(), trade.density));
+            const std::vector<double>& resolution = trade.curve.at(quantity).resolution;
+            const auto radius = [&](double across) {
+                return radius_for(quantity, image_, request_.smallest, across, trade.density);
+            };
+            coarsest = std::min(coarsest, radius(resolution.front()));
+            finest = std::min(finest, radius(resolution.back()));
         }
+        const double of_most = radius_for(Quantity::flow_stress, image_, false, most_particles, trade.density);
+        if (coarsest < of_most)
+            throw InvalidInput(fmt::format("it would take {:.2g} particles; take a part of the image (--roi)",
+                                           particles_of(image_, coarsest, trade.density)));
+        finest = std::max({finest, of_most, finest_seed * image_.voxel});
         return {coarsest, std::min(coarsest, finest)};
     }
 
     /// Errors and cost of a setting whose choice and radius are given.
     void fill(Proposal& tried, const Scene& scene, const LawTrade& trade) const {
         const Model model = compile_model(scene, outline(image_, tried.seed_radius));
-        tried.particles = image_.solid_volume / volume_of_particle(tried.seed_radius, trade.density);
+        tried.particles = particles_of(image_, tried.seed_radius, trade.density);
         tried.time_step = model.time_step;
-        tried.steps = 0;
-        for (const LoadSegment& segment : load_path(scene, model.time_step)) tried.steps += segment.steps;
-        if (model.law->traits().planes_pull) tried.steps += relaxation_steps(model, seating_periods);
+        tried.steps = steps_of(scene, model);
         tried.flows = expected_flows(scene, std::llround(tried.particles), model);
         const double decades = std::max(0.0, std::log10(scene.highest_rate() / scene.lowest_rate()));
         double misfit = 0;
@@ -146,14 +192,13 @@ class Search {
             const TradeCurve& curve = trade.curve.at(quantity);
             PredictedError error;
             error.quantity = quantity;
-            error.resolution = resolution(quantity, tried.seed_radius, trade.density);
+            error.resolution = resolution_of(quantity, image_, request_.smallest, tried.seed_radius, trade.density);
             error.parts = curve.error(error.resolution, tried.choice.step);
             error.parts.rates = std::max(decades * curve.rate_error.value_or(0), is_stress(quantity) ? misfit : 0.0);
             tried.errors.push_back(error);
             tried.bytes = std::max(tried.bytes, curve.bytes[0] + curve.bytes[1] * tried.particles);
             particle_step = std::max(particle_step, curve.particle_step);
-            prepare = std::max(
-                prepare, curve.prepare[0] + curve.prepare[1] * tried.particles * std::cbrt(tried.particles / 1000));
+            prepare = std::max(prepare, prepare_seconds_of(curve, tried.particles));
         }
         tried.cpu_seconds = particle_step * tried.particles * static_cast<double>(tried.steps);
         tried.prepare_seconds = prepare;
@@ -175,6 +220,99 @@ void check_asked(const std::vector<Quantity>& of, const ImageFeatures& image) {
                                                                                : "object of 27 voxels or more"));
 }
 
+const Feature* first_of(Feature::Kind kind, const ImageFeatures& image) {
+    const auto found = std::find_if(image.features.begin(), image.features.end(),
+                                    [&](const Feature& feature) { return feature.kind == kind; });
+    return found == image.features.end() ? nullptr : &*found;
+}
+
+bool marks_objects(const Scene& scene) {
+    return std::any_of(scene.phases.begin(), scene.phases.end(), [](const Phase& phase) { return phase.objects; });
+}
+
+/// Objects of the image that only touch, if at all.
+bool are_separate(const Feature& objects) {
+    return objects.count != 1;
+}
+
+double closed_volume(const ImageFeatures& image) {
+    double volume = 0;
+    for (const VoidPart& part : image.voids)
+        if (part.wall() > 0) volume += part.volume;
+    return volume;
+}
+
+/// Rounded up to two digits, so that who asks for it gets it.
+double reachable(double error) {
+    const double digit = std::pow(10, std::floor(std::log10(error)) - 1);
+    return std::ceil(error / digit - 1e-6) * digit;
+}
+
+/// What a search over the laws comes to.
+struct Found {
+    std::vector<Proposal> within;
+    std::optional<Proposal> closest;
+    std::vector<std::pair<std::string, std::string>> not_taken;
+};
+
+Found search_laws(const ImageFeatures& image, const PlanRequest& request, const TradeTable& table,
+                  const std::vector<Quantity>& of) {
+    const Search search(image, request, table, of);
+    Found found;
+    for (const Law* known : laws()) {
+        const std::string& law = known->name();
+        if (!table.law.contains(law)) continue;
+        if (request.law && law != *request.law) continue;
+        try {
+            std::optional<Proposal> closest_of_law;
+            if (auto one = search.best(law, closest_of_law)) found.within.push_back(*one);
+            if (closest_of_law && (!found.closest || closest_of_law->error() < found.closest->error()))
+                found.closest = closest_of_law;
+        } catch (const InvalidInput& error) {
+            found.not_taken.emplace_back(law, error.what());
+        }
+    }
+    return found;
+}
+
+/// Sets of fewer and fewer of the quantities, each next to the last.
+std::vector<std::vector<Quantity>> fewer(const std::vector<Quantity>& of) {
+    std::vector<std::vector<Quantity>> sets;
+    for (unsigned chosen = 1; chosen + 1 < 1U << of.size(); ++chosen) {
+        std::vector<Quantity>& set = sets.emplace_back();
+        for (std::size_t k = 0; k < of.size(); ++k)
+            if ((chosen >> k & 1U) != 0) set.push_back(of[k]);
+    }
+    std::stable_sort(sets.begin(), sets.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    return sets;
+}
+
+bool is_readable(const PlanRequest& request) {
+    try {
+        parse_scene(request.scene_text, request.scene_name);
+        return true;
+    } catch (const InvalidInput&) {
+        return false;
+    }
+}
+
+[[noreturn]] void refuse(const ImageFeatures& image, const PlanRequest& request, const TradeTable& table,
+                         const std::vector<Quantity>& of, const Found& found) {
+    std::string why;
+    for (const auto& [law, reason] : found.not_taken)
+        why += fmt::format("{}{}: {}", why.empty() ? "" : "; ", law, reason);
+    std::string advice;
+    if (request.law) {
+        PlanRequest any = request;
+        any.law.reset();
+        if (const Found others = search_laws(image, any, table, of); others.closest)
+            advice = fmt::format("; without --law, \"{}\" can", others.closest->choice.law);
+    }
+    if (advice.empty() && is_readable(request))
+        advice = "; --particles instead of --error makes the chain for the scene as it is, its error unknown";
+    throw InvalidInput(fmt::format("no law can hold scene '{}': {}{}", request.scene_name, why, advice));
+}
+
 }  // namespace
 
 double Proposal::error() const {
@@ -183,62 +321,124 @@ double Proposal::error() const {
     return largest;
 }
 
-std::vector<Quantity> quantities_of(const ImageFeatures& image, const Scene& scene) {
+std::optional<std::string> not_carved(const ImageFeatures& image, const Scene& scene) {
+    if (image.labels.size() > 1) return "void between several phases has no phase that it could be filled with";
+    const Feature* const objects = first_of(Feature::Kind::objects, image);
+    if (marks_objects(scene) && objects != nullptr && are_separate(*objects))
+        return "filled with their phase, void would join the objects";
+    return std::nullopt;
+}
+
+std::vector<Quantity> quantities_of(const ImageFeatures& image, const Scene& scene, const TradeTable& table,
+                                    bool smallest, std::vector<std::string>& left_out) {
+    const Feature* const objects = first_of(Feature::Kind::objects, image);
+    const Feature* const struts = first_of(Feature::Kind::struts, image);
     std::set<Quantity> of;
-    for (const Feature& feature : image.features) {
-        if (feature.kind == Feature::Kind::pores) of.insert(Quantity::pore_volume);
-        if (feature.kind == Feature::Kind::struts) of.insert(Quantity::foam_stress);
-        if (feature.kind != Feature::Kind::objects) continue;
+    const auto leave_out = [&](Quantity quantity, const std::string& why) {
+        of.erase(quantity);
+        left_out.push_back(fmt::format("{} is left out, its error is unknown: {}", name_of(quantity), why));
+    };
+    if (objects != nullptr && marks_objects(scene)) of.insert(Quantity::shape_factor);
+    if (objects != nullptr && image.labels.size() > 1) {
         of.insert(Quantity::composite_stress);
-        if (scene.phase(image.labels.front()).objects ||
-            std::any_of(scene.phases.begin(), scene.phases.end(), [](const Phase& phase) { return phase.objects; }))
-            of.insert(Quantity::shape_factor);
+        if (struts != nullptr)
+            leave_out(Quantity::composite_stress, "it was measured without void, which fills over 30 % of this image");
+    }
+    if (struts != nullptr) {
+        of.insert(Quantity::foam_stress);
+        if (objects != nullptr && are_separate(*objects))
+            leave_out(Quantity::foam_stress, "the stress of separate objects in void was not measured");
+    }
+    if (first_of(Feature::Kind::pores, image) != nullptr) {
+        of.insert(Quantity::pore_volume);
+        const double share = closed_volume(image) / image.void_volume;
+        if (const auto why = not_carved(image, scene))
+            leave_out(Quantity::pore_volume, *why);
+        else if (struts != nullptr && share < minor_pores)
+            leave_out(Quantity::pore_volume,
+                      fmt::format("closed pores are {:.2g} % of the void, the others reach its faces", 100 * share));
+    }
+    for (const Quantity quantity : std::set<Quantity>(of)) {
+        double coarsest = std::numeric_limits<double>::infinity();
+        for (const auto& [law, trade] : table.law)
+            if (trade.curve.contains(quantity))
+                coarsest = std::min(coarsest, trade.curve.at(quantity).resolution.front());
+        const double size = *feature_of(quantity, image, smallest);
+        if (std::isfinite(coarsest) && size < 2 * finest_seed * image.voxel * coarsest)
+            leave_out(quantity, fmt::format("{:g} particles across {:.3g} voxels would be finer than the image",
+                                            coarsest, size / image.voxel));
     }
     if (of.empty()) of.insert(Quantity::flow_stress);
     return {of.begin(), of.end()};
 }
 
+std::vector<CoarseStress> coarse_stresses(const ImageFeatures& image, const Scene& scene, double seed_radius,
+                                          double density, const TradeTable& table) {
+    const auto trade = table.law.find(scene.law().name());
+    if (trade == table.law.end()) return {};
+    const bool struts = first_of(Feature::Kind::struts, image) != nullptr;
+    const bool composite = first_of(Feature::Kind::objects, image) != nullptr && image.labels.size() > 1;
+    const Quantity quantity = struts      ? Quantity::foam_stress
+                              : composite ? Quantity::composite_stress
+                                          : Quantity::flow_stress;
+    const auto curve = trade->second.curve.find(quantity);
+    CoarseStress coarse;
+    coarse.quantity = quantity;
+    coarse.resolution = resolution_of(quantity, image, false, seed_radius, density);
+    coarse.needed = std::max(struts ? thinnest_strut : 0.0,
+                             curve == trade->second.curve.end() ? 0.0 : curve->second.resolution.front());
+    if (coarse.resolution >= coarse.needed) return {};
+    coarse.seed_radius = radius_for(quantity, image, false, coarse.needed, density);
+    coarse.particles = particles_of(image, coarse.seed_radius, density);
+    if (curve != trade->second.curve.end()) try {
+            const Model model = compile_model(scene, outline(image, coarse.seed_radius));
+            coarse.cpu_seconds =
+                curve->second.particle_step * coarse.particles * static_cast<double>(steps_of(scene, model)) +
+                prepare_seconds_of(curve->second, coarse.particles);
+        } catch (const InvalidInput&) {
+            // solve says what the scene cannot do; what it would cost is not known then.
+        }
+    return {coarse};
+}
+
 Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const TradeTable& table) {
     Plan plan;
     const Scene scene = readable_scene(request.scene_text, request.scene_name);
-    plan.of = request.of.empty() ? quantities_of(image, scene) : request.of;
-    check_asked(plan.of, image);
-    const Search search(image, request, table, plan.of);
-    std::optional<Proposal> closest;
-    std::vector<Proposal> found;
-    for (const Law* known : laws()) {
-        const std::string& law = known->name();
-        if (!table.law.contains(law)) continue;
-        if (request.law && law != *request.law) continue;
-        try {
-            std::optional<Proposal> closest_of_law;
-            if (auto one = search.best(law, closest_of_law)) found.push_back(*one);
-            if (closest_of_law && (!closest || closest_of_law->error() < closest->error())) closest = closest_of_law;
-        } catch (const InvalidInput& error) {
-            plan.not_taken.emplace_back(law, error.what());
+    check_asked(request.of, image);
+    plan.of = request.of.empty() ? quantities_of(image, scene, table, request.smallest, plan.left_out) : request.of;
+    Found found = search_laws(image, request, table, plan.of);
+    if (!found.closest && request.of.empty())
+        for (const std::vector<Quantity>& some : fewer(plan.of)) {
+            Found other = search_laws(image, request, table, some);
+            if (!other.closest) continue;
+            for (const Quantity quantity : plan.of)
+                if (std::find(some.begin(), some.end(), quantity) == some.end())
+                    plan.left_out.push_back(fmt::format(
+                        "{} is left out, its error is unknown: no law that holds the scene was measured for it "
+                        "together with the others",
+                        name_of(quantity)));
+            plan.of = some;
+            found = std::move(other);
+            break;
         }
-    }
-    if (!closest) {
-        std::string why;
-        for (const auto& [law, reason] : plan.not_taken)
-            why += fmt::format("{}{}: {}", why.empty() ? "" : "; ", law, reason);
-        throw InvalidInput(fmt::format("no law can hold scene '{}': {}", request.scene_name, why));
-    }
-    if (found.empty()) {
+    plan.not_taken = found.not_taken;
+    if (!found.closest) refuse(image, request, table, plan.of, found);
+    if (found.within.empty()) {
+        const Proposal& closest = *found.closest;
         const auto worst = std::max_element(
-            closest->errors.begin(), closest->errors.end(),
+            closest.errors.begin(), closest.errors.end(),
             [](const PredictedError& a, const PredictedError& b) { return a.parts.total() < b.parts.total(); });
         throw InvalidInput(fmt::format(
             "an error of {:g} % is out of reach: the smallest is {:.2g} % of {}, with law \"{}\", {} = {:.4g} and "
-            "{:.0f} "
-            "particles; {} limits it",
-            100 * request.error, 100 * worst->parts.total(), name_of(worst->quantity), closest->choice.law,
-            closest->choice.key(), closest->choice.step, closest->particles, worst->parts.largest()));
+            "{:.0f} particles; {} limits it; give --error {:g}%",
+            100 * request.error, 100 * worst->parts.total(), name_of(worst->quantity), closest.choice.law,
+            closest.choice.key(), closest.choice.step, closest.particles, worst->parts.largest(),
+            reachable(100 * worst->parts.total())));
     }
-    std::sort(found.begin(), found.end(),
+    std::sort(found.within.begin(), found.within.end(),
               [](const Proposal& a, const Proposal& b) { return Search::cost(a) < Search::cost(b); });
-    plan.proposal = found.front();
-    plan.other_laws.assign(found.begin() + 1, found.end());
+    plan.proposal = found.within.front();
+    plan.other_laws.assign(found.within.begin() + 1, found.within.end());
     return plan;
 }
 

@@ -43,19 +43,39 @@ struct Proposal {
 
 struct Plan {
     std::vector<Quantity> of;
-    Proposal proposal;                                           ///< the cheapest that keeps within the error
+    std::vector<std::string> left_out;  ///< what the image has and no error is known of, and why; a sentence each
+    Proposal proposal;                  ///< the cheapest that keeps within the error
     std::vector<std::pair<std::string, std::string>> not_taken;  ///< laws that cannot hold the scene, and why
     std::vector<Proposal> other_laws;                            ///< the cheapest of each other law within the error
 };
 
-/// What `of` is when the user says nothing: the stress, S_f, pores or struts, by what the image has.
-std::vector<Quantity> quantities_of(const ImageFeatures& image, const Scene& scene);
+/// Why the image's pores cannot be filled and carved out again (docs/relaxation.md); nothing: they can.
+std::optional<std::string> not_carved(const ImageFeatures& image, const Scene& scene);
+
+/// What `of` is when the user says nothing: the stress, S_f, pores or struts, by what the image has and the table can
+/// judge.
+/// @param left_out  gets a sentence for each quantity that cannot be judged
+std::vector<Quantity> quantities_of(const ImageFeatures& image, const Scene& scene, const TradeTable& table,
+                                    bool smallest, std::vector<std::string>& left_out);
+
+/// A stress that particles of this size cannot carry, and the coarsest ones that were measured to.
+struct CoarseStress {
+    Quantity quantity = Quantity::flow_stress;
+    double resolution = 0, needed = 0;      ///< particles across the feature, of flow_stress particles
+    double seed_radius = 0, particles = 0;  ///< of those that would do [mm]
+    double cpu_seconds = 0;                 ///< 0: not known
+};
+
+/// @param density  of the brick
+std::vector<CoarseStress> coarse_stresses(const ImageFeatures& image, const Scene& scene, double seed_radius,
+                                          double density, const TradeTable& table);
 
 /// Looks through laws, time steps and resolutions of the table, and what lies between them, for the smallest CPU time.
 ///
-/// A law is tried if the scene, with it, parses and compiles: BILIN refuses tension, each law has its M, NORTON does
-/// not go with self-contact.
-/// @throws InvalidInput if no setting keeps within the error: says the smallest that is in reach and what limits it
+/// If the user did not say what the error is about, and no law has all that the image has, quantities are left out
+/// until one has. A law is tried if the scene, with it, parses and compiles: BILIN refuses tension, each law has its M,
+/// NORTON does not go with self-contact.
+/// @throws InvalidInput if no setting keeps within the error: says what limits it, and an error that can be kept
 Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const TradeTable& table);
 
 }  // namespace tomodem::plan

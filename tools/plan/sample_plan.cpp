@@ -12,8 +12,6 @@
 namespace tomodem::plan {
 namespace {
 
-/// More values than this are a grey image, as for volume_info.
-constexpr std::size_t max_labels = 16;
 /// Share of solid below which an image is porous.
 constexpr double dense_fraction = 0.98;
 /// Of a probe, over the radius of a particle.
@@ -100,11 +98,13 @@ std::string proposed_scene(const std::map<std::int32_t, std::string>& names, con
 
 }  // namespace
 
-std::vector<SolidLabel> solid_labels(const LabelVolume& volume) {
+std::vector<SolidLabel> solid_labels(const LabelVolume& volume, const LabelledObjects* labelled) {
     const std::map<std::int32_t, std::int64_t> histogram = volume.histogram();
-    if (histogram.size() > max_labels)
+    if (histogram.size() > most_phases)
         throw InvalidInput(
-            fmt::format("the image has {} different values: it is grey; give --threshold or --otsu", histogram.size()));
+            fmt::format("the image has {} different values: if it is grey, give --threshold or --otsu; if each value "
+                        "is an object, --objects labels",
+                        histogram.size()));
     std::vector<SolidLabel> solid;
     std::vector<std::int32_t> labels;
     for (const auto& [label, voxels] : histogram) {
@@ -115,10 +115,15 @@ std::vector<SolidLabel> solid_labels(const LabelVolume& volume) {
     if (solid.empty())
         throw InvalidInput("the image is all void (label 0); give another --threshold, or other labels with --relabel");
     const Components components = connected_components(volume, labels, Joining::same_label);
-    for (std::size_t k = 0; k < components.voxels.size(); ++k)
-        for (SolidLabel& one : solid)
+    for (SolidLabel& one : solid) {
+        if (labelled != nullptr && one.label == labelled->phase) {
+            one.largest_object = *std::max_element(labelled->voxels.begin(), labelled->voxels.end());
+            continue;
+        }
+        for (std::size_t k = 0; k < components.voxels.size(); ++k)
             if (one.label == components.label[k])
-                one.largest_component = std::max(one.largest_component, components.voxels[k]);
+                one.largest_object = std::max(one.largest_object, components.voxels[k]);
+    }
     std::stable_sort(solid.begin(), solid.end(),
                      [](const SolidLabel& a, const SolidLabel& b) { return a.voxels > b.voxels; });
     return solid;
@@ -164,14 +169,32 @@ SamplePlan plan_sample(const LabelVolume& volume, const std::vector<SolidLabel>&
     plan.particles = filled / voxels_of_particle;
 
     plan.inclusions = solid.size() > 1;
-    const auto first_object = solid.begin() + (plan.inclusions ? 1 : 0);
-    plan.shown = first_object->label;
+    const bool marked = scene && std::any_of(scene->phases.begin(), scene->phases.end(),
+                                             [](const Phase& phase) { return phase.objects; });
+    const auto has_objects = [&](const SolidLabel& one) {
+        return marked ? scene->phase(one.label).objects : !plan.inclusions || one.label != solid.front().label;
+    };
     std::int64_t largest = 0;
-    for (auto one = first_object; one != solid.end(); ++one) {
-        plan.objects.push_back(one->label);
-        largest = std::max(largest, one->largest_component);
+    for (const SolidLabel& one : solid) {
+        if (!has_objects(one)) continue;
+        if (plan.objects.empty()) plan.shown = one.label;
+        plan.objects.push_back(one.label);
+        largest = std::max(largest, one.largest_object);
     }
+    if (plan.objects.empty())
+        throw InvalidInput(
+            fmt::format("scene '{}' marks objects of phases that the image does not have", scene->path.string()));
     std::sort(plan.objects.begin(), plan.objects.end());
+    plan.by = request.by;
+    plan.ranges = request.ranges;
+    if (plan.by == ObjectsBy::watershed) {
+        if (plan.objects.size() > 1)
+            throw InvalidInput(fmt::format(
+                "--objects watershed separates the objects of one label, and {} consist of objects; give a --scene "
+                "with objects = true at one phase",
+                fmt::join(plan.objects, ", ")));
+        plan.ranges = {separated_range(labels_of(solid), plan.objects.front())};
+    }
     if (static_cast<double>(largest) < min_particles_of_shape * voxels_of_particle) {
         const double needed = radius_of_ball(static_cast<double>(largest) / min_particles_of_shape * request.density);
         throw InvalidInput(fmt::format(
@@ -191,8 +214,8 @@ std::map<std::string, std::string> sample_options(const SamplePlan& plan) {
     for (const auto& [label, name] : plan.names) names.push_back(fmt::format("{}={}", label, name));
     const std::string labels = fmt::format("--labels {}", fmt::join(names, ","));
     return {
-        {"vol2pack", fmt::format("--pixels-per-seed {:g} {} --objects {} --min-component {}", plan.pixels_per_seed,
-                                 labels, fmt::join(plan.objects, ","), plan.min_component)},
+        {"vol2pack", fmt::format("--pixels-per-seed {:g} {} {} --min-component {}", plan.pixels_per_seed, labels,
+                                 vol2pack_options(plan.by, plan.objects, plan.ranges), plan.min_component)},
         {"render", labels},
         {"inclusions", fmt::format("--only-species {} --color {}", plan.shown, plan.inclusions ? "object" : "phase")},
         {"mesh_recon", fmt::format("--species {} --probe-radius {:.6g}mm", plan.shown, plan.probe_radius)},

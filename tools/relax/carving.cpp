@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -77,32 +79,92 @@ class Carving {
                     throw InvalidInput(
                         fmt::format("the pores are not as large as the image's after {} iterations: {}; "
                                     "--resume with more --max-iterations continues",
-                                    request_.max_iterations, how_far()));
+                                    request_.max_iterations, how_far(assessment_)));
                 removal = carver_->next_removal(sample_, assessment_, iteration == 1);
-                if (removal.empty())
-                    throw InvalidInput(fmt::format(
-                        "the pores are larger than the image's, and particles cannot be put back: {}; start "
-                        "from the dense sample, or with a smaller --first-share",
-                        how_far()));
             });
             MPI_Bcast(&done, 1, MPI_INT, 0, communicator_);
             if (done) break;
-            take_out(removal);
             const std::int64_t removed = share_count(static_cast<std::int64_t>(removal.size()));
+            if (removed == 0 || share_count(since_nearest_) > most_in_vain) give_up(iteration);
+            const Packing before = sample_;
+            const Assessment assessed = assessment_;
+            take_out(removal);
             come_to_rest();
-            assess(iteration, removed);
+            const bool too_much = assess(iteration, removed, carver_ && !carver_->has_overshot(assessed));
+            if (!too_much) continue;
+            sample_ = before;
+            assessment_ = assessed;
+            write_state();
         }
         finish();
     }
 
  private:
-    std::string how_far() const {
-        std::string text = fmt::format("total volume {:+.2f} %", 100 * assessment_.total_error());
-        if (assessment_.judged > 0)
-            text += fmt::format(", {} of {} judged pores beyond {:g} %, pore {} by {:+.2f} %", assessment_.wrong,
-                                assessment_.judged, request_.pore_error, assessment_.pores[assessment_.worst].number,
-                                100 * assessment_.pores[assessment_.worst].error());
+    /// Iterations that come no nearer, after which it ends.
+    static constexpr std::int64_t most_in_vain = 5;
+    /// Share of the pores' volume that has no particles, from which a sample has its pores already.
+    static constexpr double masked_from = 0.5;
+
+    std::string how_far(const Assessment& assessment) const {
+        std::string text = fmt::format("total volume {:+.2f} %", 100 * assessment.all.error());
+        if (assessment.judged > 0)
+            text += fmt::format(", {} of {} judged pores beyond {:g} %, pore {} by {:+.2f} %", assessment.wrong,
+                                assessment.judged, request_.pore_error, assessment.pores[assessment.worst].number,
+                                100 * assessment.worst_error());
         return text;
+    }
+
+    /// The sample that has come nearest to the image.
+    void keep_nearest() {
+        if (!first_) return;
+        ++since_nearest_;
+        const double distance = carver_->distance_from_done(assessment_);
+        if (nearest_ && distance >= carver_->distance_from_done(nearest_->assessment)) return;
+        nearest_ = {sample_, assessment_};
+        since_nearest_ = 0;
+    }
+
+    /// Ends with an error; the state holds the nearest sample, which --resume takes with errors as large as its own.
+    void give_up(std::int64_t iteration) {
+        if (first_) {
+            sample_ = nearest_->sample;
+            assessment_ = nearest_->assessment;
+            rows_.push_back(row_of(assessment_, iteration, static_cast<std::int64_t>(sample_.size()), 0));
+        } else {
+            rows_.emplace_back();
+        }
+        write_state();
+        together(communicator_, [&] {
+            if (!first_) return;
+            write_text(table_file_, table_of(rows_));
+            throw InvalidInput(
+                fmt::format("taking particles out brings the pores no nearer to the image's than this: {}{}",
+                            how_far(assessment_), advice()));
+        });
+    }
+
+    /// What can be done about the nearest sample.
+    std::string advice() const {
+        std::string text;
+        const auto torn = std::count_if(assessment_.pores.begin(), assessment_.pores.end(), [](const PoreState& pore) {
+            return pore.kind == PoreKind::closed && pore.measure.leaks;
+        });
+        if (rows_.front().volume > masked_from * rows_.front().target)
+            text += "; the sample had pores already: start from a dense one (vol2pack --relabel 0=1)";
+        else if (torn > 0)
+            text += fmt::format(
+                "; {} pores have torn their walls: finer particles (vol2pack --pixels-per-seed) make "
+                "thicker ones",
+                torn);
+        const double total = std::abs(assessment_.all.error()), worst = std::abs(assessment_.worst_error());
+        if (std::max(total, worst) > 0.99) return text;
+        const auto option = [](const char* flag, double error, double allowed) {
+            return 100 * error <= allowed ? std::string{}
+                                          : fmt::format(" {} {:.1f}%", flag, std::ceil(1000 * error + 1e-6) / 10);
+        };
+        return text + fmt::format("; the same command with --resume{}{} takes the sample as it is",
+                                  option("--total-error", total, request_.total_error),
+                                  option("--pore-error", worst, request_.pore_error));
     }
 
     std::int64_t share_count(std::int64_t count) const {
@@ -135,22 +197,23 @@ class Carving {
                                 "the same again, or start again without --resume",
                                 state_file_.string()));
             carver_->set_density(density_);
+            carver_->set_shares(shares_);
             assessment_ = carver_->assess(sample_);
+            keep_nearest();
         });
         if (!go_on) {
             // With its pores filled its faces draw in without moving the pores.
             if (!sample_.relaxed) come_to_rest();
             if (first_) carver_->measure_density(sample_);
-            assess(0, 0);
+            assess(0, 0, false);
         }
         if (!first_) return;
         if (assessment_.judged == 0)
             reporter_.warn(
-                fmt::format("no closed pore is {:g} particles across or more: none is judged by itself, only their "
-                            "total is",
+                fmt::format("no pore is {:g} particles across or more: none is judged by itself, only their total is",
                             request_.carve.judged_across));
         const double empty = carver_->empty_share(assessment_);
-        if (!go_on && empty > 0.5 && request_.max_iterations > 0)
+        if (!go_on && empty > masked_from && request_.max_iterations > 0)
             reporter_.warn(
                 fmt::format("the sample is masked already: {:.0f} % of the pores' volume has no particles; they can "
                             "only grow from there, a dense sample (vol2pack --relabel 0=1) is the better start",
@@ -174,6 +237,7 @@ class Carving {
         steps_ = static_cast<std::int64_t>(found.number("steps"));
         density_ = found.number("density");
         image_ = found.numbers.at("image");
+        shares_ = found.numbers.at("shares");
         reporter_.note(fmt::format("resuming after iteration {}", rows_.back().iteration));
     }
 
@@ -216,7 +280,9 @@ class Carving {
         last_.force_balance = result.force_balance;
     }
 
-    void assess(std::int64_t iteration, std::int64_t removed) {
+    /// @param may_go_back  to the sample before, if too much has come out. @return whether it should
+    bool assess(std::int64_t iteration, std::int64_t removed, bool may_go_back) {
+        int too_much = 0;
         together(communicator_, [&] {
             if (!first_) return;
             assessment_ = carver_->assess(sample_);
@@ -224,12 +290,23 @@ class Carving {
             row.periods = last_.periods;
             row.energy_ratio = last_.energy_ratio;
             row.force_balance = last_.force_balance;
+            keep_nearest();
+            row.taken_back = may_go_back && !carver_->is_done(assessment_) && carver_->has_overshot(assessment_) &&
+                             carver_->hold_back(assessment_);
+            too_much = row.taken_back;
             rows_.push_back(row);
-            reporter_.note(
-                fmt::format("iteration {}: {} particles out, {}, IoU {:.3f}", iteration, removed, how_far(), row.iou));
+            reporter_.note(fmt::format("iteration {}: {} particles out, {}, IoU {:.3f}{}", iteration, removed,
+                                       how_far(assessment_), row.iou,
+                                       row.taken_back ? "; too much, taken back to take out less" : ""));
             write_text(table_file_, table_of(rows_));
         });
         if (!first_) rows_.emplace_back();
+        MPI_Bcast(&too_much, 1, MPI_INT, 0, communicator_);
+        if (too_much == 0) write_state();
+        return too_much != 0;
+    }
+
+    void write_state() {
         Checkpoint state;
         // Places of particles are kept as numbers, by row; the file's own list of particles must not be empty.
         state.particles = {{1}, {1}, {0}, {0, 0, 0}, {0, 0, 0}, {0}, {}};
@@ -240,6 +317,7 @@ class Carving {
             state.numbers["rows"] = numbers_of(rows_);
             state.numbers["steps"] = {static_cast<double>(steps_)};
             state.numbers["density"] = {carver_->density()};
+            state.numbers["shares"] = carver_->shares();
             state.numbers["image"] = image_;
         }
         write_checkpoint(state, inputs_, state_file_, communicator_);
@@ -255,20 +333,29 @@ class Carving {
             std::filesystem::remove(state_file_, ignored);
         });
         if (!first_) return;
-        std::int64_t open = 0;
-        for (const PoreState& pore : assessment_.pores) open += pore.open;
+        for (const PoreState& pore : assessment_.pores)
+            if (pore.kind == PoreKind::closed && pore.measure.leaks)
+                reporter_.warn(
+                    fmt::format("pore {} opens into another one or to the outside; its volume is counted as "
+                                "far as the image's pore is the nearest",
+                                pore.number));
         const CarveRow& row = rows_.back();
         reporter_.report("particles", static_cast<std::int64_t>(sample_.size()));
         reporter_.report("iterations", row.iteration);
         reporter_.report("density", carver_->density());
-        reporter_.report("closed_pores", static_cast<std::int64_t>(assessment_.pores.size()) - open);
+        reporter_.report("closed_pores", assessment_.closed.count);
+        reporter_.report("cut_pores", assessment_.cut.count);
+        reporter_.report("open_pores", static_cast<std::int64_t>(assessment_.pores.size()) - assessment_.all.count);
         reporter_.report("judged_pores", assessment_.judged);
-        reporter_.report("open_pores", open);
         reporter_.report("too_small_pores", carver_->too_small());
         reporter_.report("too_small_volume", carver_->too_small_volume(), "mm^3");
-        reporter_.report("image_volume", assessment_.target, "mm^3");
-        reporter_.report("pore_volume", assessment_.volume, "mm^3");
+        reporter_.report("image_volume", assessment_.all.target, "mm^3");
+        reporter_.report("pore_volume", assessment_.all.volume, "mm^3");
         reporter_.report("total_error", row.total_error);
+        if (assessment_.closed.count > 0 && assessment_.cut.count > 0) {
+            reporter_.report("closed_pores_error", assessment_.closed.error());
+            reporter_.report("cut_pores_error", assessment_.cut.error());
+        }
         reporter_.report("total_error_by_grid", row.grid_error);
         reporter_.report("worst_pore_error", row.worst_error);
         reporter_.report("intersection_over_union", row.iou);
@@ -292,8 +379,15 @@ class Carving {
     std::vector<CarveRow> rows_;
     CarveRow last_;
     std::int64_t steps_ = 0;
-    double density_ = 0;         ///< from the state
-    std::vector<double> image_;  ///< what its options make of the volume
+    double density_ = 0;          ///< from the state
+    std::vector<double> shares_;  ///< likewise
+    struct Reached {
+        Packing sample;
+        Assessment assessment;
+    };
+    std::optional<Reached> nearest_;  // on the first process
+    std::int64_t since_nearest_ = 0;  ///< assessments
+    std::vector<double> image_;       ///< what its options make of the volume
 };
 
 }  // namespace

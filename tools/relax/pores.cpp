@@ -6,16 +6,12 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numbers>
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 
 namespace tomodem::relax {
 namespace {
-
-/// Between a pore and a face of the image, in particles: a thinner one opens when the sample relaxes.
-constexpr double min_wall = 2;
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
@@ -49,45 +45,14 @@ void transform_line(const std::vector<double>& in, double step, std::vector<doub
     }
 }
 
-struct Extent {
-    VoxelIndex low{std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::int32_t>::max(),
-                   std::numeric_limits<std::int32_t>::max()};
-    VoxelIndex high{-1, -1, -1};
-    std::array<double, 3> sum{0, 0, 0};
-
-    void add(const VoxelIndex& voxel) {
-        for (int c = 0; c < 3; ++c) {
-            low[c] = std::min(low[c], voxel[c]);
-            high[c] = std::max(high[c], voxel[c]);
-            sum[c] += voxel[c];
-        }
-    }
-};
-
-std::vector<Extent> extents_of(const Components& components) {
-    std::vector<Extent> extents(components.voxels.size());
-    const VoxelIndex size = components.number.size();
-    std::vector<std::int32_t> slab;
-    for (std::int32_t k = 0; k < size[2]; k += LabelVolume::slab) {
-        const std::int32_t count = std::min(LabelVolume::slab, size[2] - k);
-        components.number.slices(k, count, slab);
-        std::size_t at = 0;
-        for (std::int32_t z = k; z < k + count; ++z)
-            for (std::int32_t y = 0; y < size[1]; ++y)
-                for (std::int32_t x = 0; x < size[0]; ++x, ++at)
-                    if (slab[at] != 0) extents[slab[at] - 1].add({x, y, z});
-    }
-    return extents;
-}
-
-DistanceField field_around(const LabelVolume& number, std::int32_t wanted, const Extent& extent, double reach) {
+DistanceField field_around(const LabelVolume& number, const VoidPart& part, double reach) {
     const VoxelIndex image = number.size();
     const Vec3 spacing = number.spacing();
     VoxelIndex first, size;
     for (int c = 0; c < 3; ++c) {
         const auto margin = static_cast<std::int32_t>(std::ceil(reach / spacing[c])) + 2;
-        first[c] = extent.low[c] - margin;
-        size[c] = extent.high[c] + margin + 1 - first[c];
+        first[c] = part.low[c] - margin;
+        size[c] = part.high[c] + margin + 1 - first[c];
     }
     const std::size_t count = std::size_t(size[0]) * size[1] * size[2];
     VoxelIndex from, to;
@@ -101,7 +66,7 @@ DistanceField field_around(const LabelVolume& number, std::int32_t wanted, const
     for (std::int32_t z = first[2]; z < first[2] + size[2]; ++z)
         for (std::int32_t y = first[1]; y < first[1] + size[1]; ++y)
             for (std::int32_t x = first[0]; x < first[0] + size[0]; ++x, ++at)
-                inside[at] = sampler.at({x, y, z}) == wanted;
+                inside[at] = sampler.at({x, y, z}) == part.number;
     const Vec3 corner = number.origin() + spacing.cwiseProduct(Vec3(first[0], first[1], first[2]));
     return DistanceField(inside, size, from, to, spacing, corner);
 }
@@ -171,24 +136,38 @@ double DistanceField::at(const Vec3& point) const {
     return sum;
 }
 
+double DistanceField::volume_within(const Vec3& corner_low, const Vec3& corner_high) const {
+    std::array<std::vector<double>, 3> share;  // of each layer of voxels along each axis
+    for (int c = 0; c < 3; ++c) {
+        share[c].resize(size_[c], 0);
+        for (std::int32_t i = std::lround(first_[c]); i <= std::lround(last_[c]); ++i) {
+            const double begin = low_[c] + (i - 0.5) * spacing_[c], end = begin + spacing_[c];
+            share[c][i] = std::max(0.0, std::min(end, corner_high[c]) - std::max(begin, corner_low[c])) / spacing_[c];
+        }
+    }
+    double voxels = 0;
+    std::size_t at = 0;
+    for (std::int32_t z = 0; z < size_[2]; ++z)
+        for (std::int32_t y = 0; y < size_[1]; ++y)
+            for (std::int32_t x = 0; x < size_[0]; ++x, ++at)
+                if (distance_[at] < 0) voxels += share[0][x] * share[1][y] * share[2][z];
+    return voxels * spacing_.prod();
+}
+
 ImagePores find_pores(const LabelVolume& volume, double seed_radius, double min_across, double reach, int threads) {
     const Components components = connected_components(volume, {0});
     if (components.voxels.empty())
         throw InvalidInput("the volume has no pore: no voxel has label 0 (void); --relabel 2=0 makes label 2 void");
-    const std::vector<Extent> extents = extents_of(components);
-    const double voxel = volume.spacing().prod();
     ImagePores found;
-    std::vector<std::size_t> kept;
+    std::vector<VoidPart> kept;
     double largest = 0;
-    for (std::size_t i = 0; i < components.voxels.size(); ++i) {
-        const double size = static_cast<double>(components.voxels[i]) * voxel;
-        const double across = std::cbrt(6 * size / std::numbers::pi) / (2 * seed_radius);
-        largest = std::max(largest, across);
-        if (across >= min_across) {
-            kept.push_back(i);
+    for (const VoidPart& part : void_parts(components)) {
+        largest = std::max(largest, part.diameter() / (2 * seed_radius));
+        if (kind_of(part, seed_radius, min_across) != PoreKind::too_small) {
+            kept.push_back(part);
         } else {
             ++found.too_small;
-            found.too_small_volume += size;
+            found.too_small_volume += part.volume;
         }
     }
     if (kept.empty())
@@ -199,20 +178,15 @@ ImagePores find_pores(const LabelVolume& volume, double seed_radius, double min_
             components.voxels.size(), largest, min_across));
     std::vector<std::unique_ptr<ImagePore>> pores(kept.size());
     parallel_for(static_cast<std::int64_t>(kept.size()), threads, [&](std::int64_t k) {
-        const std::size_t i = kept[k];
-        const Extent& extent = extents[i];
-        const auto number = static_cast<std::int32_t>(i) + 1;
-        pores[k] = std::make_unique<ImagePore>(ImagePore{number, static_cast<double>(components.voxels[i]) * voxel, 0,
-                                                         false, Vec3::Zero(),
-                                                         field_around(components.number, number, extent, reach)});
-        ImagePore& pore = *pores[k];
-        pore.across = std::cbrt(6 * pore.volume / std::numbers::pi) / (2 * seed_radius);
-        for (int c = 0; c < 3; ++c) {
-            const double wall = std::min(extent.low[c], volume.size()[c] - 1 - extent.high[c]) * volume.spacing()[c];
-            pore.open = pore.open || wall < min_wall * 2 * seed_radius;
-            const double mean = extent.sum[c] / static_cast<double>(components.voxels[i]) + 0.5;
-            pore.centre[c] = volume.origin()[c] + volume.spacing()[c] * mean;
-        }
+        const VoidPart& part = kept[k];
+        pores[k] = std::make_unique<ImagePore>(ImagePore{part,
+                                                         kind_of(part, seed_radius, min_across),
+                                                         part.diameter() / (2 * seed_radius),
+                                                         {0, 0, 0},
+                                                         field_around(components.number, part, reach)});
+        if (pores[k]->kind != PoreKind::cut) return;
+        const double thin = min_wall * 2 * seed_radius;
+        for (int c = 0; c < 3; ++c) pores[k]->face[c] = part.wall_low[c] < thin ? -1 : part.wall_high[c] < thin ? 1 : 0;
     });
     for (auto& pore : pores) found.pores.push_back(std::move(*pore));
     return found;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/volume/void_parts.hpp"
 #include "core/volume/volume.hpp"
 
 /// The pores of an image, and where a point is with respect to them.
@@ -20,6 +21,8 @@ class DistanceField {
 
     /// Trilinear between the voxels' centres; infinite outside the box.
     double at(const Vec3& point) const;
+    /// Volume of the set's voxels between two corners [mm^3].
+    double volume_within(const Vec3& corner_low, const Vec3& corner_high) const;
     /// The box in which at() is finite.
     const Vec3& low() const { return low_; }
     const Vec3& high() const { return high_; }
@@ -34,14 +37,13 @@ class DistanceField {
 /// Squared distances [mm^2] of every voxel of a box to the nearest one of a set; infinite if it is empty.
 std::vector<float> squared_distances(const std::vector<bool>& set, VoxelIndex size, const Vec3& spacing);
 
-/// A connected component (by faces) of the void.
+/// A pore that particles can show.
 struct ImagePore {
-    std::int32_t number = 0;  ///< from 1, in raster order of the first voxels, among all components of the image
-    double volume = 0;        ///< of its voxels [mm^3]
-    double across = 0;        ///< diameter of the sphere of that volume, in particles [-]
-    bool open = false;        ///< it meets a face of the image, or comes within two particles of one
-    Vec3 centre = Vec3::Zero();
-    DistanceField distance;  ///< known within `reach` of the pore
+    VoidPart part;
+    PoreKind kind = PoreKind::closed;
+    double across = 0;                 ///< diameter of the sphere of its volume, in particles [-]
+    std::array<int, 3> face{0, 0, 0};  ///< that cuts it, along each axis: -1 the low one, 1 the high one, 0 none
+    DistanceField distance;            ///< known within `reach` of the pore
 };
 
 struct ImagePores {

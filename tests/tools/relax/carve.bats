@@ -129,7 +129,7 @@ assert (one["position/value"][()] == two["position/value"][()]).all()'
         carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --roi 0:72,0:72,0:40 --quiet
     refused 1 "are too small for these particles" \
         carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --min-pore 20 --quiet
-    refused 1 "every pore of the volume meets one of its faces" \
+    refused 1 "there is no pore to carve" \
         carve dense.h5 scene.toml pore.tif out.h5 --voxel-size 10um --relabel 1=0,0=1 --quiet
     [ ! -e out.h5 ] && [ ! -e out.csv ] && [ ! -e out.h5.state ]
 }
@@ -146,4 +146,51 @@ assert (one["position/value"][()] == two["position/value"][()]).all()'
     [ ! -e out.h5 ] && [ -e out.csv ]
     carved out.h5 --resume
     [ -e out.h5 ]
+}
+
+@test "a sample whose pores are too large is refused with what takes it as it is, and that does" {
+    make_pore larger.tif 72 40
+    vol2pack brick.h5 larger.tif masked.h5 --voxel-size 10um --pixels-per-seed 2 --quiet
+    local command=(carve masked.h5 scene.toml pore.tif out.h5 --voxel-size 10um --judged-from 8 --quiet)
+    run -1 "${command[@]}"
+    [ ! -e out.h5 ] && [ -e out.h5.state ]
+    advice=$(sed -n 's/.*the same command with \(.*\) takes the sample as it is$/\1/p' <<<"$output")
+    [[ $output == *"the sample had pores already: start from a dense one"* ]]
+    # shellcheck disable=SC2086
+    "${command[@]}" $advice --json out.json
+    run -1 "${command[@]}" --total-error 9% --pore-error 9%  # less than it has
+    /usr/bin/python3 -c '
+import json
+s = json.load(open("out.json"))
+assert 0.1 < s["total_error"] < 0.6, s'
+}
+
+@test "a pore that a face cuts is carved to its volume within the sample" {
+    /usr/bin/python3 -c '
+import numpy as np
+z, y, x = np.mgrid[:72, :72, :72] + 0.5
+def ball(a, b, c, r):
+    return (x - a)**2 + (y - b)**2 + (z - c)**2 < r*r
+open("cut.raw", "wb").write((~(ball(0, 36, 36, 20) | ball(50, 58, 40, 12))).astype(np.uint8).tobytes())'
+    options=(--raw-size 72 --raw-type uint8 --voxel-size 10um)
+    vol2pack brick.h5 cut.raw full.h5 "${options[@]}" --pixels-per-seed 2 --relabel 0=1 --quiet
+    carve full.h5 scene.toml cut.raw out.h5 "${options[@]}" --judged-from 7 --json out.json --pores pores.csv --quiet
+    /usr/bin/python3 - <<'END'
+import csv
+import json
+import h5py
+import numpy as np
+
+summary = json.load(open("out.json"))
+assert summary["cut_pores"] == 2 and summary["closed_pores"] == 0 and summary["judged_pores"] == 1, summary
+assert abs(summary["total_error"]) <= 0.02 and abs(summary["total_error_by_grid"]) < 0.06, summary
+pores = {float(row["x [mm]"]) < 0.2: row for row in csv.DictReader(open("pores.csv"))}
+half = 2 / 3 * np.pi * 0.2**3
+assert 0.85 < float(pores[True]["target [mm^3]"]) / half < 1.0, pores  # the face has drawn in
+assert all(row["cut"] == "1" for row in pores.values())
+# Half a ball without particles at the face, by their own radius nearer than the pore's surface.
+position = h5py.File("out.h5")["particles/all/position/value"][0]
+distance = np.linalg.norm(position - [0, 0.36, 0.36], axis=1)
+assert 0.19 < distance.min() < 0.24, distance.min()
+END
 }

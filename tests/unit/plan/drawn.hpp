@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <vector>
 
 #include "core/scene/scene.hpp"
@@ -31,6 +32,19 @@ inline LabelVolume balls(const std::vector<double>& radii, std::int32_t inside, 
             if ((at - centre).norm() < radii[k]) return inside;
         }
         return 1;
+    });
+}
+
+/// Rods of radius 5 voxels along the three axes, 30 apart, and a ball of void in the node in the middle, with a shell
+/// around a large one.
+inline LabelVolume foam_with_pores(double radius) {
+    return volume(90, [=](const Vec3& at) {
+        if ((at - Vec3::Constant(45)).norm() < radius) return 0;
+        const Vec3 off = at - 30 * ((at.array() / 30).floor() + 0.5).matrix();
+        if (radius > 5 && (at - Vec3::Constant(45)).norm() < radius + 3) return 1;
+        for (int axis = 0; axis < 3; ++axis)
+            if (std::hypot(off[axis], off[(axis + 1) % 3]) < 5) return 1;
+        return 0;
     });
 }
 

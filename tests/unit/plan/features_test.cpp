@@ -26,7 +26,7 @@ TEST(Features, OfBallsAreTheirDiameters) {
     EXPECT_NEAR(balls.median, 0.24, 0.002);
     EXPECT_NEAR(balls.smallest, 0.12, 0.002);
     EXPECT_NEAR(found.solid_volume, 0.216, 1e-9);
-    EXPECT_TRUE(found.pore_gaps.empty());
+    EXPECT_TRUE(found.voids.empty());
 }
 
 TEST(Features, WithoutMarkedObjectsAreThoseOfAllButTheLargestPhase) {
@@ -48,7 +48,7 @@ TEST(Features, OfClosedPoresAreTheirDiameters) {
     EXPECT_EQ(found.features[0].kind, Feature::Kind::pores);
     EXPECT_EQ(found.features[0].count, 3);
     EXPECT_NEAR(found.features[0].median, 0.16, 0.002);
-    EXPECT_FALSE(found.pore_gaps.empty());
+    EXPECT_EQ(found.voids.size(), 3);
 }
 
 TEST(Features, VoidThatReachesAFaceIsNoPore) {
@@ -58,16 +58,7 @@ TEST(Features, VoidThatReachesAFaceIsNoPore) {
 }
 
 TEST(Features, OfAScaffoldOfRodsAreTheDiametersOfTheRods) {
-    // Rods of radius 5 along the three axes, 30 apart.
-    const ImageFeatures found =
-        find_features(drawn::volume(90,
-                                    [](const Vec3& at) {
-                                        const Vec3 off = at - 30 * ((at.array() / 30).floor() + 0.5).matrix();
-                                        for (int axis = 0; axis < 3; ++axis)
-                                            if (std::hypot(off[axis], off[(axis + 1) % 3]) < 5) return 1;
-                                        return 0;
-                                    }),
-                      one_phase, 1);
+    const ImageFeatures found = find_features(drawn::foam_with_pores(0), one_phase, 1);
     ASSERT_EQ(found.features.size(), 1);
     EXPECT_EQ(found.features[0].kind, Feature::Kind::struts);
     EXPECT_NEAR(found.features[0].median, 0.10, 0.01);
@@ -77,8 +68,8 @@ TEST(Features, OfAPoreKnowItsDistanceFromTheFaces) {
     // 0.01 mm a voxel; a pore of 11 voxels whose first one is the sixth.
     const ImageFeatures found = find_features(
         drawn::volume(40, [](const Vec3& at) { return (at - Vec3(10.5, 20, 20)).norm() < 5.5 ? 0 : 1; }), one_phase, 1);
-    ASSERT_EQ(found.pore_gaps.size(), 1);
-    EXPECT_NEAR(found.pore_gaps[0], 5 * drawn::voxel, 1e-9);
+    ASSERT_EQ(found.voids.size(), 1);
+    EXPECT_NEAR(found.voids[0].wall(), 5 * drawn::voxel, 1e-9);
 }
 
 TEST(Features, MedianIsThatOfTheVolume) {
@@ -94,6 +85,83 @@ TEST(Features, RejectALabelThatTheSceneDoesNotName) {
 TEST(Features, RejectAPhaseThatTheImageDoesNotHave) {
     EXPECT_THAT([] { find_features(drawn::balls({}, 2, 20), two_phases, 1); },
                 ThrowsMessage<InvalidInput>(HasSubstr("line 5: [phase.b] has label 2, which the image does not have")));
+}
+
+/// A row of three balls that touch, of radius 9, in void.
+LabelVolume touching() {
+    return drawn::volume(60, [](const Vec3& at) {
+        for (const double x : {13.0, 30.0, 47.0})
+            if ((at - Vec3(x, 30, 30)).norm() < 9) return 1;
+        return 0;
+    });
+}
+
+TEST(Features, OfObjectsThatTouchSayThatTheyAreOneTangledPart) {
+    std::string text = drawn::one_phase;
+    text.insert(text.find("norton"), "objects = true\n");
+    const Scene scene = parse_scene(text, "one.toml");
+    LabelVolume many = drawn::volume(80, [](const Vec3& at) {  // 5 x 5 x 5 that touch
+        const Vec3 off = at - 16 * ((at.array() / 16).floor() + 0.5).matrix();
+        return off.norm() < 8.6 ? 1 : 0;
+    });
+    const ImageFeatures found = find_features(many, scene, 1);
+    EXPECT_EQ(found.features.at(0).count, 1);
+    EXPECT_TRUE(found.features[0].tangled);
+    EXPECT_NEAR(found.features[0].median, 0.16, 0.015);
+    const LabelVolume one =
+        drawn::volume(60, [](const Vec3& at) { return (at - Vec3::Constant(30)).norm() < 20 ? 1 : 0; });
+    EXPECT_FALSE(find_features(one, scene, 1).features.at(0).tangled);
+}
+
+TEST(Features, OfObjectsToBeSeparatedAreTheThicknessOfTheirPhase) {
+    std::string text = drawn::one_phase;
+    text.insert(text.find("norton"), "objects = true\n");
+    const ImageFeatures found = find_features(touching(), parse_scene(text, "one.toml"), 1, ObjectsBy::watershed);
+    EXPECT_EQ(found.features.at(0).count, 0);
+    EXPECT_NEAR(found.features[0].median, 0.18, 0.02);
+}
+
+TEST(Features, OfObjectsWithLabelsAreTheirDiameters) {
+    LabelVolume volume = drawn::volume(60, [](const Vec3& at) {
+        const int k = int(at[0] / 20) + 3 * int(at[1] / 20);
+        return (at - Vec3(20 * (k % 3) + 10, 20 * (k / 3) + 10, 30)).norm() < 8 ? 100 + k : 2;
+    });
+    EXPECT_TRUE(looks_labelled(volume));
+    std::string text = drawn::two_phases;  // a = 1, b = 2 with objects; here 1 has the labels
+    text.erase(text.find("objects = true\n"), 15);
+    text.insert(text.find("norton"), "objects = true\n");
+    const Scene scene = parse_scene(text, "two.toml");
+    const LabelledObjects objects = take_labels(volume, phase_of_objects(scene), {2});
+    EXPECT_EQ(vol2pack_options(ObjectsBy::labels, {}, objects.ranges), "--label-objects 100:108=1");
+    const ImageFeatures found = find_features(volume, scene, 1, ObjectsBy::labels, &objects);
+    EXPECT_EQ(found.features.at(0).count, 9);
+    EXPECT_NEAR(found.features[0].median, 0.16, 0.003);
+    EXPECT_THAT(found.labels, testing::ElementsAre(1, 2));
+}
+
+TEST(Objects, OfLabelsLeaveOtherPhasesOut) {
+    LabelVolume volume = drawn::volume(20, [](const Vec3& at) { return int(at[2]); });  // 0 .. 19
+    const auto ranges = take_labels(volume, 7, {7, 12}).ranges;
+    EXPECT_EQ(vol2pack_options(ObjectsBy::labels, {}, ranges), "--label-objects 1:6=7,8:11=7,13:19=7");
+    EXPECT_EQ(volume.histogram().size(), 3u);
+    EXPECT_THAT(
+        [&] {
+            take_labels(volume, 3, {7, 12});
+        },
+        ThrowsMessage<InvalidInput>(HasSubstr("no label that is not")));
+}
+
+TEST(Objects, OfAWatershedAreAboveTheLabelsThatItKeeps) {
+    EXPECT_EQ(vol2pack_options(ObjectsBy::watershed, {}, {separated_range({1, 2}, 1)}), "--label-objects 3:99999999=1");
+    EXPECT_EQ(vol2pack_options(ObjectsBy::watershed, {}, {separated_range({1}, 1)}), "--label-objects 1:99999999=1");
+}
+
+TEST(Objects, NoiseDoesNotLookLabelled) {
+    std::uint32_t state = 1;
+    EXPECT_FALSE(looks_labelled(drawn::volume(30, [&](const Vec3&) {
+        state = state * 1664525U + 1013904223U;
+        return int(state >> 24);
+    })));
 }
 
 }  // namespace

@@ -143,7 +143,8 @@ TEST(Plan, RejectsAnErrorOutOfReachWithTheLeastAndWhatLimitsIt) {
     request.error = 0.01;
     EXPECT_THAT([&] { planned(drawn::balls({12}, 2), drawn::two_phases, request); },
                 ThrowsMessage<InvalidInput>(AllOf(HasSubstr("an error of 1 % is out of reach: the smallest is 2.5 %"),
-                                                  HasSubstr("law \"norton\""), HasSubstr("resolution limits it"))));
+                                                  HasSubstr("law \"norton\""),
+                                                  HasSubstr("resolution limits it; give --error 2.5%"))));
 }
 
 TEST(Plan, RejectsAQuantityThatTheImageDoesNotHave) {
@@ -163,6 +164,98 @@ TEST(Plan, OfASceneThatNoLawCanHoldSaysWhyOfEach) {
     EXPECT_THAT([&] { planned(drawn::balls({12}, 2), scene, request); },
                 ThrowsMessage<InvalidInput>(
                     AllOf(HasSubstr("no law can hold scene 'scene.toml': bilin: "), HasSubstr("tension"))));
+}
+
+TEST(Plan, WithTheErrorThatARefusalNamesHasAProposal) {
+    PlanRequest request;
+    request.error = 0.001;
+    for (const auto& [volume, scene] :
+         {std::pair{drawn::balls({12, 7}, 2), drawn::two_phases}, {drawn::balls({13}, 0), drawn::one_phase}})
+        try {
+            planned(volume, scene, request);
+            FAIL() << "an error of 0.1 % is in reach";
+        } catch (const InvalidInput& refusal) {
+            const std::string text = refusal.what(), flag = "give --error ";
+            PlanRequest again = request;
+            again.error = std::stod(text.substr(text.find(flag) + flag.size())) / 100;
+            EXPECT_LE(planned(volume, scene, again).proposal.error(), again.error) << text;
+        }
+}
+
+TEST(Plan, OfQuantitiesMeasuredWithDifferentStepsTakesOneThatAllHave) {
+    TradeTable uneven = table;
+    for (auto& [law, trade] : uneven.law) trade.curve[Quantity::foam_stress].step = {1e-6, 2e-6};
+    for (auto& [law, trade] : uneven.law) trade.curve[Quantity::foam_stress].step_error = {0, 0.01};
+    PlanRequest request;
+    request.scene_text = drawn::one_phase;
+    request.scene_name = "scene.toml";
+    request.error = 0.25;
+    request.law = "bilin";
+    request.of = {Quantity::pore_volume, Quantity::foam_stress};
+    const Plan plan = make_plan(
+        find_features(drawn::foam_with_pores(8), parse_scene(drawn::one_phase, "scene.toml"), 1), request, uneven);
+    EXPECT_LE(plan.proposal.choice.step, 2e-6);
+    EXPECT_LE(plan.proposal.error(), 0.25);
+}
+
+TEST(Plan, OfAnOpenStructureLeavesOutTheFewClosedPoresInIt) {
+    PlanRequest request;
+    request.error = 0.25;
+    const Plan plan = planned(drawn::foam_with_pores(3), drawn::one_phase, request);
+    EXPECT_THAT(plan.of, ElementsAre(Quantity::foam_stress));
+    EXPECT_THAT(plan.left_out,
+                ElementsAre(HasSubstr("pore_volume is left out, its error is unknown: closed pores are")));
+}
+
+TEST(Plan, LeavesOutWhatWouldNeedParticlesFinerThanVoxels) {
+    PlanRequest request;
+    request.error = 0.3;
+    const Plan plan = planned(drawn::balls({1.95}, 0), drawn::one_phase, request);  // 4 particles across 3.9 voxels
+    EXPECT_THAT(plan.of, ElementsAre(Quantity::flow_stress));
+    EXPECT_THAT(plan.left_out, ElementsAre(HasSubstr("would be finer than the image")));
+}
+
+TEST(Plan, LeavesOutWhatNoLawOfTheSceneWasMeasuredFor) {
+    TradeTable poor = table;
+    for (auto& [law, trade] : poor.law) trade.curve.erase(Quantity::composite_stress);
+    PlanRequest request;
+    request.scene_text = drawn::two_phases;
+    request.scene_name = "scene.toml";
+    request.error = 0.2;
+    const Plan plan =
+        make_plan(find_features(drawn::balls({12}, 2), parse_scene(drawn::two_phases, "scene.toml"), 1), request, poor);
+    EXPECT_THAT(plan.of, ElementsAre(Quantity::shape_factor));
+    EXPECT_THAT(plan.left_out, ElementsAre(HasSubstr("composite_stress is left out")));
+}
+
+TEST(Plan, CarvesPoresOfOnePhaseWhoseObjectsTheyDoNotPart) {
+    const Scene plain = parse_scene(drawn::one_phase, "scene.toml");
+    std::string text = drawn::one_phase;
+    text.insert(text.find("norton"), "objects = true\n");
+    const Scene marked = parse_scene(text, "scene.toml");
+    const LabelVolume pores = drawn::balls({8, 8}, 0),
+                      grains = drawn::volume(40, [](const Vec3&at) {
+                          return (at - Vec3(10, 20, 20)).norm() < 8 || (at - Vec3(30, 20, 20)).norm() < 8 ? 1 : 0;
+                      });
+    EXPECT_FALSE(not_carved(find_features(pores, plain, 1), plain));
+    EXPECT_FALSE(not_carved(find_features(pores, marked, 1), marked));
+    EXPECT_THAT(not_carved(find_features(grains, marked, 1), marked).value(), HasSubstr("would join the objects"));
+    EXPECT_THAT(not_carved(find_features(pores, marked, 1, ObjectsBy::watershed), marked).value(),
+                HasSubstr("would join the objects"));
+}
+
+TEST(CoarseStresses, SayWhatWouldCarryTheStressOfStrutsAndWhatItCosts) {
+    const Scene scene = parse_scene(drawn::one_phase, "scene.toml");
+    const ImageFeatures image = find_features(drawn::foam_with_pores(0), scene, 1);
+    EXPECT_THAT(coarse_stresses(image, scene, 0.1 / 8, 0.7, table), IsEmpty());  // 4 across 0.1 mm
+    const auto coarse = coarse_stresses(image, scene, 0.1 / 4, 0.7, table);
+    ASSERT_EQ(coarse.size(), 1);
+    EXPECT_EQ(coarse[0].quantity, Quantity::foam_stress);
+    EXPECT_NEAR(coarse[0].resolution, 2, 0.25);
+    EXPECT_EQ(coarse[0].needed, 4);
+    EXPECT_NEAR(coarse[0].seed_radius, 0.1 / 8, 0.002);
+    EXPECT_GT(coarse[0].cpu_seconds, 0);
+    EXPECT_TRUE(coarse_stresses(image, scene, coarse[0].seed_radius, 0.7, table).empty());
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ TEST(SamplePlan, RefusesWhatDoesNotFitTheImage) {
     refused(named, "", "--labels names label 5 (pore), which the image does not have");
     refused(particles(5000), drawn::one_phase, "no phase with label 2, which the image has");
     EXPECT_THAT([] { solid_labels(drawn::volume(20, [](const Vec3& at) { return int(at[0]); })); },
-                ThrowsMessage<InvalidInput>(HasSubstr("the image has 20 different values: it is grey")));
+                ThrowsMessage<InvalidInput>(HasSubstr("the image has 20 different values: if it is grey")));
     EXPECT_THAT([] { solid_labels(drawn::volume(20, [](const Vec3&) { return 0; })); },
                 ThrowsMessage<InvalidInput>(HasSubstr("all void")));
 }

@@ -46,10 +46,10 @@ TEST(FindPores, GivesTheDistanceToASphere) {
     const ImagePores found = find_pores(image, 0.1, 3, 1.0, 2);
     ASSERT_EQ(found.pores.size(), 1u);
     const ImagePore& pore = found.pores[0];
-    EXPECT_FALSE(pore.open);
-    EXPECT_NEAR(pore.volume, 4.0 / 3 * std::numbers::pi * std::pow(1.5, 3), 0.1);
+    EXPECT_EQ(pore.kind, PoreKind::closed);
+    EXPECT_NEAR(pore.part.volume, 4.0 / 3 * std::numbers::pi * std::pow(1.5, 3), 0.1);
     EXPECT_NEAR(pore.across, 15, 0.05);
-    EXPECT_NEAR((pore.centre - centre).norm(), 0, 0.01);
+    EXPECT_NEAR((pore.part.centre - centre).norm(), 0, 0.01);
     std::mt19937_64 random(1);
     std::normal_distribution<double> normal;
     for (int k = 0; k < 1000; ++k) {
@@ -60,18 +60,23 @@ TEST(FindPores, GivesTheDistanceToASphere) {
     EXPECT_TRUE(std::isinf(pore.distance.at(Vec3(30, 3, 3))));
 }
 
-TEST(FindPores, TellsOpenPoresAndLeavesSmallOnesOut) {
+TEST(FindPores, TellsCutPoresAndLeavesSmallOnesOut) {
     const LabelVolume image = image_of({60, 60, 60}, Vec3::Constant(0.1), Vec3(1, 1, 1), [](const Vec3& p) {
         return (p - Vec3(1, 4, 4)).norm() < 1 || (p - Vec3(4, 4, 4)).norm() < 0.9 || (p - Vec3(6, 6, 6)).norm() < 0.2;
     });
     const ImagePores found = find_pores(image, 0.1, 3, 0.5, 1);
     ASSERT_EQ(found.pores.size(), 2u);
-    EXPECT_EQ(found.pores[0].open + found.pores[1].open, 1);
+    const bool first_is_cut = found.pores[0].kind == PoreKind::cut;
+    EXPECT_EQ(found.pores[first_is_cut ? 1 : 0].kind, PoreKind::closed);
     EXPECT_EQ(found.too_small, 1);
     EXPECT_NEAR(found.too_small_volume, 0.0335, 0.005);
-    const ImagePore& open = found.pores[found.pores[0].open ? 0 : 1];
+    const ImagePore& cut = found.pores[first_is_cut ? 0 : 1];
+    EXPECT_EQ(cut.kind, PoreKind::cut);
+    EXPECT_EQ(cut.face, (std::array<int, 3>{-1, 0, 0}));
+    EXPECT_NEAR(cut.distance.volume_within(Vec3(1.5, 1, 1), Vec3(7, 7, 7)), std::numbers::pi / 3 * 0.25 * (3 - 0.5),
+                0.02);  // a cap half a radius high
     // What the image does not show is not material: no surface at its face.
-    EXPECT_NEAR(open.distance.at(Vec3(1.05, 4.0, 4.0)), -1, 0.15);
+    EXPECT_NEAR(cut.distance.at(Vec3(1.05, 4.0, 4.0)), -1, 0.15);
 }
 
 TEST(FindPores, RefusesAnImageWithoutPores) {
