@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ struct Provenance {
     std::string command_line;
     std::string scene;                          ///< text of the scene file, empty where there was none
     std::map<std::string, std::string> inputs;  ///< file name -> SHA-256 of its content
+    std::optional<double> strain_before{};      ///< of a run that continues another: true strain at its beginning
+    std::optional<double> time_before{};        ///< and how long the sample was under load until then [s]
     std::string geometric_error{};              ///< of a sample against its image (JSON, from vol2pack), or empty
 };
 

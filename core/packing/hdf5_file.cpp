@@ -115,8 +115,8 @@ bool Hdf5Handle::close() {
     return close_(std::exchange(id_, -1)) >= 0;
 }
 
-Hdf5Writer::Hdf5Writer(const fs::path& where, const fs::path& shown)
-    : failure_(fmt::format("cannot write '{}'", shown.string())), file_(created(where)) {}
+Hdf5Writer::Hdf5Writer(const fs::path& where, const fs::path& shown, Start start)
+    : failure_(fmt::format("cannot write '{}'", shown.string())), file_(opened(where, start)) {}
 
 Hdf5Handle Hdf5Writer::group(hid_t parent, const char* name) {
     const Hdf5Handle creation = untimed(H5P_GROUP_CREATE);
@@ -157,6 +157,10 @@ Hdf5Handle Hdf5Writer::reserved(hid_t parent, const char* name, const Hdf5Shape&
     return {H5Dcreate2(parent, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose, failure_};
 }
 
+void Hdf5Writer::remove_group(const char* name) {
+    if (H5Lexists(file_, name, H5P_DEFAULT) > 0) hdf5_check(H5Ldelete(file_, name, H5P_DEFAULT), failure_);
+}
+
 void Hdf5Writer::link(const char* existing, hid_t parent, const char* name) {
     hdf5_check(H5Lcreate_hard(file_, existing, parent, name, H5P_DEFAULT, H5P_DEFAULT), failure_);
 }
@@ -178,11 +182,12 @@ void Hdf5Writer::close() {
     if (!file_.close()) throw InvalidInput(fmt::format("{}: {}", failure_, reason()));
 }
 
-Hdf5Handle Hdf5Writer::created(const fs::path& where) {
+Hdf5Handle Hdf5Writer::opened(const fs::path& where, Start start) {
     Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, failure_);
     hdf5_check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110), failure_);  // views need 1.10
     hdf5_check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), failure_);
     hdf5_check(H5Pset_file_locking(access, false, true), failure_);  // the part file is ours alone
+    if (start == Start::from_existing) return {H5Fopen(where.c_str(), H5F_ACC_RDWR, access), H5Fclose, failure_};
     const Hdf5Handle creation = untimed(H5P_FILE_CREATE);
     return {H5Fcreate(where.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose, failure_};
 }

@@ -56,9 +56,10 @@ class Hdf5Handle {
 /// A new HDF5 file with the few calls that an H5MD file needs. Errors name the file that the user asked for.
 class Hdf5Writer {
  public:
-    /// @param where  the file to create
+    enum class Start { anew, from_existing };
+    /// @param where  the file to create, or to add to
     /// @param shown  its name in errors
-    Hdf5Writer(const std::filesystem::path& where, const std::filesystem::path& shown);
+    Hdf5Writer(const std::filesystem::path& where, const std::filesystem::path& shown, Start start = Start::anew);
 
     const std::string& failure() const { return failure_; }
     hid_t file() const { return file_; }
@@ -95,6 +96,8 @@ class Hdf5Writer {
     Hdf5Handle reserved(hid_t parent, const char* name, const Hdf5Shape& shape, std::optional<T> fill = {}) {
         return reserved(parent, name, shape, hdf5_native<T>(), fill ? &*fill : nullptr);
     }
+    /// Where there is one.
+    void remove_group(const char* name);
     /// Another name of an object of this file.
     void link(const char* existing, hid_t parent, const char* name);
     /// A [rows][columns] dataset without data of its own that shows one frame of another dataset of this file.
@@ -104,7 +107,7 @@ class Hdf5Writer {
     void close();
 
  private:
-    Hdf5Handle created(const std::filesystem::path& where);
+    Hdf5Handle opened(const std::filesystem::path& where, Start start);
     /// No time stamps: the same input gives the same bytes.
     Hdf5Handle untimed(hid_t property_class);
     Hdf5Handle text_type(std::size_t size);

@@ -37,6 +37,7 @@ struct Packing {
     /// Other quantities of each particle by their name, such as a temperature from another volume; the solver ignores
     /// them.
     std::map<std::string, std::vector<double>> property{};
+    std::map<std::int32_t, std::string> label_names{};  ///< what the labels were called in the image, where they were
 
     std::size_t size() const { return position.size(); }
     double radius_of(std::size_t particle) const { return radius.empty() ? seed_radius : radius[particle]; }

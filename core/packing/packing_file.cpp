@@ -56,14 +56,27 @@ Provenance read_provenance(const Hdf5Reader& reader) {
                           reader.one_text(group + "version"),
                           reader.one_text(group + "command_line"),
                           reader.one_text(group + "scene"),
-                          {},
                           {}};
+    provenance.strain_before = reader.number_attribute<double>("/parameters/tomodem", "strain_before");
+    provenance.time_before = reader.number_attribute<double>("/parameters/tomodem", "time_before");
     if (reader.exists(group + "geometric_error"))
         provenance.geometric_error = reader.one_text(group + "geometric_error");
     const auto names = reader.text_dataset(group + "inputs/name");
     const auto digests = reader.text_dataset(group + "inputs/sha256");
     for (std::size_t i = 0; i < std::min(names.size(), digests.size()); ++i) provenance.inputs[names[i]] = digests[i];
     return provenance;
+}
+
+std::map<std::int32_t, std::string> read_label_names(const Hdf5Reader& reader) {
+    std::map<std::int32_t, std::string> found;
+    const std::string group = "/parameters/tomodem/labels";
+    if (!reader.is_group(group)) return found;
+    const auto labels = reader.array<std::int32_t>(group + "/label");
+    const auto names = reader.text_dataset(group + "/name");
+    if (labels.size() != names.size())
+        reader.fail(fmt::format("{} has {} labels and {} names", group, labels.size(), names.size()));
+    for (std::size_t k = 0; k < labels.size(); ++k) found[labels[k]] = names[k];
+    return found;
 }
 
 /// Places that an unfinished run has filled: steps are negative from there on.
@@ -141,6 +154,7 @@ RunReader::RunReader(const fs::path& path) {
     if (constexpr const char* group = "/particles/all/property"; reader.is_group(group))
         for (const std::string& name : reader.members(group))
             packing.property[name] = reader.array<double>(std::string(group) + "/" + name);
+    packing.label_names = read_label_names(reader);
     const auto seed_radius = reader.number_attribute<double>("/particles/all", "seed_radius");
     if (!seed_radius) reader.fail("/particles/all has no attribute seed_radius");
     packing.seed_radius = *seed_radius;
@@ -252,8 +266,10 @@ Packing read_packing(const fs::path& path, std::int64_t frame) {
 Packing read_sample(const fs::path& path) {
     const RunReader reader(path);
     if (reader.frame_count() > 1)
-        throw InvalidInput(fmt::format("cannot start from '{}': it is a run of {} frames; give a sample", path.string(),
-                                       reader.frame_count()));
+        throw InvalidInput(
+            fmt::format("cannot start from '{}': it is a run of {} frames; give a sample (solve "
+                        "--frame last continues from the end of a run)",
+                        path.string(), reader.frame_count()));
     return reader.packing();
 }
 

@@ -29,6 +29,8 @@ void write_provenance(Hdf5Writer& writer, const Provenance& provenance) {
     writer.text_dataset(group, "version", {provenance.version}, false);
     writer.text_dataset(group, "command_line", {provenance.command_line}, false);
     writer.text_dataset(group, "scene", {provenance.scene}, false);
+    if (provenance.strain_before) writer.attribute(group, "strain_before", *provenance.strain_before);
+    if (provenance.time_before) writer.attribute(group, "time_before", *provenance.time_before);
     writer.text_dataset(group, "unit_system", {"mm g s"}, false);
     if (!provenance.geometric_error.empty())
         writer.text_dataset(group, "geometric_error", {provenance.geometric_error}, false);
@@ -40,6 +42,19 @@ void write_provenance(Hdf5Writer& writer, const Provenance& provenance) {
     Hdf5Handle inputs = writer.group(group, "inputs");
     writer.text_dataset(inputs, "name", names);
     writer.text_dataset(inputs, "sha256", digests);
+}
+
+void write_label_names(Hdf5Writer& writer, const std::map<std::int32_t, std::string>& label_names) {
+    if (label_names.empty()) return;
+    std::vector<std::int32_t> labels;
+    std::vector<std::string> names;
+    for (const auto& [label, name] : label_names) {
+        labels.push_back(label);
+        names.push_back(name);
+    }
+    const Hdf5Handle group = writer.group(writer.file(), "parameters/tomodem/labels");
+    writer.dataset(group, "label", {labels.size()}, labels.data());
+    writer.text_dataset(group, "name", names);
 }
 
 /// Steps of frames and points that are not written yet.
@@ -104,6 +119,7 @@ void create_run_file(const Packing& packing, const RunShape& shape, const Proven
         writer.attribute(creator, "version", provenance.version);
     }
     write_provenance(writer, provenance);
+    write_label_names(writer, packing.label_names);
 
     Hdf5Handle particles = writer.group(writer.file(), "particles");
     Hdf5Handle all = writer.group(particles, "all");

@@ -42,7 +42,7 @@ const CalibrationWindow& Law::expect(const Scene&, const Phase&, const PhaseMode
     throw std::logic_error("law " + name() + " has no calibration");
 }
 
-std::string Law::time_step_reason(const Scene& scene, const Packing&, const Model& model) const {
+std::string Law::time_step_reason(const Scene& scene, const Model& model) const {
     if (scene.time_step) return "given in [accuracy]";
     const double wanted = scene.strain_per_step / scene.highest_rate();
     if (model.time_step >= wanted * (1 - 1e-9))

@@ -85,7 +85,7 @@ class Law {
                                             const Model& model, ExpectedFlow& found) const;
 
     /// What set the time step, in words.
-    virtual std::string time_step_reason(const Scene& scene, const Packing& sample, const Model& model) const;
+    virtual std::string time_step_reason(const Scene& scene, const Model& model) const;
     /// Warns of what a scene asks for and the law does badly.
     virtual void warn(const Scene& scene, const Model& model, Reporter& reporter) const;
     /// Time steps of one period of a relaxation.

@@ -65,28 +65,29 @@ std::vector<std::int64_t> LoadSegment::curve_steps(double spacing) const {
     return result;
 }
 
-std::vector<LoadSegment> load_path(const Scene& scene, double time_step) {
+std::vector<LoadSegment> load_path(const Scene& scene, double time_step, const LoadBegin& begin) {
     if (scene.duration)
         return {
             {.rate = {*scene.nominal_rate}, .steps = whole_steps(*scene.duration, time_step), .time_step = time_step}};
     std::vector<LoadSegment> path;
-    double reached = 0, last_rate = 0;
+    double reached = begin.strain, last_rate = begin.rate;
     for (const LoadStep& step : scene.steps) {
-        const double sign = step.strain > reached ? 1 : -1, wanted = sign * step.rate.front();
+        const double target = begin.strain + step.strain;
+        const double sign = target > reached ? 1 : -1, wanted = sign * step.rate.front();
         // A change of direction starts from rest, so that the strain before it is not overrun.
         const double from = last_rate * sign > 0 ? last_rate : 0;
         if (scene.initiation && from != wanted) {
             path.push_back(ramp(reached, from, wanted, *scene.initiation, time_step));
             reached = path.back().end_strain();
         }
-        const double change = std::abs(step.strain - reached);
+        const double change = std::abs(target - reached);
         LoadSegment segment{.strain = reached, .rate = step.rate, .time_step = time_step};
         segment.steps = whole_steps(polynomial::time_to_reach(step.rate, change).value(), time_step);
         const double duration = static_cast<double>(segment.steps) * time_step;
         const double scale = sign * change / polynomial::integral(step.rate, duration);
         for (double& coefficient : segment.rate) coefficient *= scale;
         last_rate = segment.rate_at(duration);
-        reached = step.strain;
+        reached = target;
         path.push_back(segment);
     }
     return path;

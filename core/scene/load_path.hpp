@@ -29,11 +29,19 @@ struct LoadSegment {
     std::vector<std::int64_t> curve_steps(double spacing) const;
 };
 
+/// Where a load begins.
+struct LoadBegin {
+    double strain = 0;  ///< of the segments
+    double rate = 0;    ///< signed [1/s], of the segment before
+};
+
 /// Segments that follow one another: those of the steps, each with a ramp of the rate before it where the scene has an
 /// initiation and the direction or the rate changes.
 ///
 /// A step's polynomial is scaled (by less than half a time step over its duration) so that it takes whole time steps.
 /// A scene with a duration instead of steps has one segment, of the nominal rate and strain.
-std::vector<LoadSegment> load_path(const Scene& scene, double time_step);
+///
+/// @param begin  where an earlier run ended: the strains of the scene count from there
+std::vector<LoadSegment> load_path(const Scene& scene, double time_step, const LoadBegin& begin = {});
 
 }  // namespace tomodem

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <set>
 
 #include "core/base/error.hpp"
+#include "core/scene/unusual_values.hpp"
 
 namespace tomodem {
 namespace {
@@ -48,6 +50,23 @@ void check_lateral_sides(const Scene& scene, const Packing& sample) {
     }
 }
 
+bool same_name(const std::string& one, const std::string& other) {
+    return std::equal(one.begin(), one.end(), other.begin(), other.end(),
+                      [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
+}
+
+/// A name that image and scene both know must be of the same label in both: labels swapped give wrong numbers in
+/// silence.
+void check_names(const Scene& scene, const Packing& sample) {
+    for (const Phase& phase : scene.phases)
+        for (const auto& [label, name] : sample.label_names)
+            if (label != phase.label && same_name(name, phase.name))
+                throw InvalidInput(fmt::format(
+                    "scene '{}' line {}: [phase.{}] has label {}, but in the sample (vol2pack --labels) label {} is "
+                    "'{}'; write label = {} there, or give other names to vol2pack --labels",
+                    scene.path.string(), phase.line, phase.name, phase.label, label, name, label));
+}
+
 /// A sample brings its radii, or they are drawn.
 void check_radii(const Scene& scene, const Packing& sample) {
     if (sample.radius.empty()) return;
@@ -58,9 +77,29 @@ void check_radii(const Scene& scene, const Packing& sample) {
                         scene.path.string(), scene.radius_dispersion));
 }
 
+/// Distance of the outermost centres along the loading axis.
+double height_of(const Scene& scene, const Packing& sample) {
+    const auto [low, high] = std::minmax_element(sample.position.begin(), sample.position.end(),
+                                                 [&](auto& a, auto& b) { return a[scene.axis] < b[scene.axis]; });
+    return sample.position.empty() ? 0 : (*high)[scene.axis] - (*low)[scene.axis];
+}
+
 }  // namespace
 
-Model compile_model(const Scene& scene, const Packing& sample) {
+std::vector<std::string> other_names(const Scene& scene, const Packing& sample) {
+    std::vector<std::string> found;
+    for (const Phase& phase : scene.phases)
+        if (const auto name = sample.label_names.find(phase.label);
+            name != sample.label_names.end() && !same_name(name->second, phase.name))
+            found.push_back(
+                fmt::format("label {} is '{}' in the sample and [phase.{}] in the scene: are they the same?",
+                            phase.label, name->second, phase.name));
+    return found;
+}
+
+Model compile_model(const Scene& scene, const Packing& sample, std::optional<double> height) {
+    check_names(scene, sample);
+    refuse_unusual_size(scene, sample);
     const std::set<std::int32_t> present(sample.species.begin(), sample.species.end());
     for (const Phase& phase : scene.phases) {
         if (!present.contains(phase.label))
@@ -78,14 +117,15 @@ Model compile_model(const Scene& scene, const Packing& sample) {
     model.seed_radius = scene.seed_radius;
     model.crown_radius = scene.crown_radius;
     model.law = &scene.law();
+    model.height = height.value_or(height_of(scene, sample) / (2 * sample.seed_radius));
     check_radii(scene, sample);
     model.radius_dispersion = scene.radius_dispersion;
     model.self_contact = scene.self_contact;
     model.healing_time = scene.healing_time;
-    model.between_objects = scene.between_objects;
-    if (model.between_objects && sample.object.empty())
+    model.separate_objects = scene.separate_objects;
+    if (model.separate_objects && sample.object.empty())
         throw InvalidInput(
-            fmt::format("scene '{}': between_objects = true in [contact] but the sample does not distinguish "
+            fmt::format("scene '{}': separate_objects = true in [contact] but the sample does not distinguish "
                         "objects; make it with vol2pack --objects LABEL",
                         scene.path.string()));
     model.lateral = scene.lateral;

@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/law/pair.hpp"
@@ -33,9 +34,10 @@ struct Model {
     double time_step;                ///< s
     std::vector<PhaseModel> phases;  ///< those that the sample contains, in the order of their labels
     const Law* law = &bilin_law();
+    double height = 0;  ///< of the sample that the constants are chosen for, centre to centre, in seed diameters
     std::shared_ptr<const LawConstants> constants = {};  ///< what the law keeps beside those of the phases
     double radius_dispersion = 0;                        ///< standard deviation over the mean
-    bool between_objects = false;                        ///< attraction only within an object
+    bool separate_objects = false;                       ///< attraction only within an object
     bool self_contact = false;
     Lateral lateral = Lateral::free;  ///< periodic sides have the edges of the sample's box
     double healing_time = std::numeric_limits<double>::infinity();  ///< s
@@ -46,8 +48,15 @@ struct Model {
 ///
 /// @throws InvalidInput: a label that the scene does not name, a phase without particles, M out of reach, a time step
 ///         too long for a natural period (unstable), objects asked for that the sample does not distinguish,
-///         lateral = "periodic" for a sample whose box is not
-Model compile_model(const Scene& scene, const Packing& sample);
+///         lateral = "periodic" for a sample whose box is not; a name that belongs to another label in the sample
+/// @param height  Model::height instead of that of the sample: a run that continues keeps that of its beginning
+Model compile_model(const Scene& scene, const Packing& sample, std::optional<double> height = {});
+
+/// Phases that have another name in the sample, one line each: a question of words, or a wrong label.
+std::vector<std::string> other_names(const Scene& scene, const Packing& sample);
+
+/// Of the forces of the two planes: above, the curves say more of inertia than of the material.
+inline constexpr double large_equilibrium_error = 0.1;
 
 /// Of rest between planes that pull, for the faces to lie against them.
 inline constexpr double seating_periods = 20;

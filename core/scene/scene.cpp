@@ -12,6 +12,7 @@
 #include "core/base/polynomial.hpp"
 #include "core/base/toml_reader.hpp"
 #include "core/base/units.hpp"
+#include "core/scene/unusual_values.hpp"
 
 namespace tomodem {
 namespace {
@@ -307,7 +308,9 @@ void read_output(TomlReader reader, Scene& scene) {
 
 void read_contact(TomlReader reader, Scene& scene) {
     scene.self_contact = reader.optional_boolean("self_contact").value_or(false);
-    scene.between_objects = reader.optional_boolean("between_objects").value_or(false);
+    reader.refuse("between_objects",
+                  "between_objects is called separate_objects now: objects do not attract each other where it is true");
+    scene.separate_objects = reader.optional_boolean("separate_objects").value_or(false);
     if (const toml::node* node = reader.find("healing_time")) {
         scene.healing_time = reader.quantity(*node, "healing_time", units::time);
         if (!(scene.healing_time > 0))
@@ -385,12 +388,31 @@ double Scene::path_length() const {
     return length;
 }
 
-Scene parse_scene(const std::string& text, const std::string& name) {
-    const toml::table root = parse_toml(text, scene_called(name));
+namespace {
+
+/// Keys of earlier versions get their names of today.
+void rename_old_keys(toml::table& root) {
+    const auto rename = [&](const char* table, const char* old_key, const std::string& key) {
+        toml::table* const found = root[table].as_table();
+        if (found == nullptr || !found->contains(old_key)) return;
+        found->insert(key, *found->get(old_key));
+        found->erase(old_key);
+    };
+    rename("contact", "between_objects", "separate_objects");
+    const toml::table* const phases = root["phase"].as_table();
+    const auto law_of = [](const toml::node& phase) {
+        return phase.is_table() ? (*phase.as_table())["law"].value_or(std::string()) : std::string();
+    };
+    const bool viscous = phases != nullptr && !phases->empty() && law_of(phases->begin()->second) == "norton";
+    rename("accuracy", "equilibrium_error", viscous ? "inertia_share" : "max_equilibrium_error");
+}
+
+Scene scene_of(const toml::table& root, const std::string& text, const std::string& name) {
     Scene scene;
     scene.path = name;
     scene.text = text;
     TomlReader reader(root, "the scene", scene_called(name));
+    scene.unusual_values = reader.optional_boolean("unusual_values").value_or(false);
     scene.seed_radius = reader.optional_positive("seed_radius", units::length).value_or(scene.seed_radius);
     const auto crown = reader.optional_positive("crown_radius", units::length);
     if (crown && *crown <= scene.seed_radius)
@@ -435,6 +457,20 @@ Scene parse_scene(const std::string& text, const std::string& name) {
     reader.refuse_unknown();
     check_loads_against_laws(scene, reader);
     return scene;
+}
+
+}  // namespace
+
+Scene parse_scene(const std::string& text, const std::string& name) {
+    Scene scene = scene_of(parse_toml(text, scene_called(name)), text, name);
+    if (!scene.unusual_values) refuse_unusual_values(scene);
+    return scene;
+}
+
+Scene parse_stored_scene(const std::string& text, const std::string& name) {
+    toml::table root = parse_toml(text, scene_called(name));
+    rename_old_keys(root);
+    return scene_of(root, text, name);
 }
 
 Scene read_scene(const std::filesystem::path& path) {

@@ -89,6 +89,8 @@ struct Scene {
     std::filesystem::path path;
     std::string text;  ///< of the file, and of its calibration file if it names one
 
+    bool unusual_values = false;  ///< accepted: core/scene/unusual_values.hpp
+
     double seed_radius = 0.5;  ///< r_s [mm] that the constants are meant for; a sample of another size is scaled to it
     double crown_radius = 0.75;    ///< r_c [mm]
     double radius_dispersion = 0;  ///< standard deviation of the radii over their mean [-]
@@ -96,7 +98,7 @@ struct Scene {
 
     bool self_contact = false;
     double healing_time = std::numeric_limits<double>::infinity();  ///< s
-    bool between_objects = false;  ///< particles of different objects do not attract each other
+    bool separate_objects = false;  ///< particles of different objects do not attract each other
 
     int axis = 2;                        ///< 0, 1, 2 for x, y, z
     std::vector<LoadStep> steps;         ///< empty when `duration` is given
@@ -130,12 +132,16 @@ struct Scene {
 };
 
 /// @throws InvalidInput with the line: syntax, unknown key, missing key, wrong type or range, a string quantity without
-///         unit, two phases of one label or of two laws, BILIN under tension
+///         unit, two phases of one label or of two laws, BILIN under tension, values that no material or press has
 Scene read_scene(const std::filesystem::path& path);
 
 /// As read_scene, for a text in memory; `name` stands for the file in errors.
 ///
 /// A calibration file is read, and its text added to the scene's: what is stored repeats the run without that file.
 Scene parse_scene(const std::string& text, const std::string& name);
+
+/// As parse_scene, for the text that a run file holds: it has been accepted once, so keys of earlier versions are
+/// known by their old names, and unusual values are not refused.
+Scene parse_stored_scene(const std::string& text, const std::string& name);
 
 }  // namespace tomodem

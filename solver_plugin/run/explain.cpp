@@ -7,7 +7,8 @@
 #include <cmath>
 
 #include "core/scene/load_path.hpp"
-#include "solver_plugin/run/guards.hpp"
+#include "solver_plugin/run/continuation.hpp"
+#include "solver_plugin/run/forewarnings.hpp"
 #include "solver_plugin/run/meter.hpp"
 #include "solver_plugin/run/scene_walls.hpp"
 #include "solver_plugin/simulation/simulation.hpp"
@@ -17,7 +18,8 @@ namespace {
 
 constexpr double calibration_seconds = 2;
 
-std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample, const Model& model) {
+std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample, const Model& model,
+                                       const Continuation* before) {
     const auto names = [&](auto wanted) {
         std::string list;
         for (const Phase& phase : scene.phases)
@@ -32,7 +34,7 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
     const std::string own_law = fmt::format("law \"{}\"", model.law->name());
     for (const Law* law : laws())
         if (!law->traits().feature.empty()) add(law->traits().feature, law == model.law, own_law, own_law);
-    add("several_laws", model.phases.size() > 1 || model.between_objects,
+    add("several_laws", model.phases.size() > 1 || model.separate_objects,
         model.phases.size() > 1 ? fmt::format("{} phases, mixed pairs take the averages", model.phases.size())
                                 : "one phase of several objects",
         "one phase: one set of constants for every pair");
@@ -40,7 +42,7 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
         sample.radius.empty() ? fmt::format("radius_dispersion = {:g}", model.radius_dispersion)
                               : std::string("the sample's particles have radii of their own"),
         "equal radii: seed and crown are constants");
-    add("objects_that_do_not_attract", model.between_objects, "between_objects = true in [contact]",
+    add("objects_that_do_not_attract", model.separate_objects, "separate_objects = true in [contact]",
         "everything belongs together");
     add("self_contact", model.self_contact, "self_contact = true in [contact]: outward vectors and interfaces",
         "no memory of pairs, no outward vectors");
@@ -53,8 +55,9 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
         "free sides: no ghosts but those of processes");
     add("flow_initiation", scene.initiation.has_value(), "initiation in [load]", "full rate from the first step");
     add("relaxation_first", !sample.relaxed, "the sample is not relaxed", "the sample is relaxed");
-    add("rest_between_the_planes", model.law->traits().planes_pull, "planes of this law pull",
-        "planes of this law do not pull at rest");
+    add("continues_a_run", before != nullptr, "--frame last", "SAMPLE is a sample");
+    add("rest_between_the_planes", model.law->traits().planes_pull && before == nullptr, "planes of this law pull",
+        before == nullptr ? "planes of this law do not pull at rest" : "the planes are there already");
     add("velocities_in_frames", scene.write_velocity, "velocity = true in [output]", "not asked for");
     add("stresses_in_frames", scene.write_stress, "stress = true in [output]", "not asked for");
     add("rotations_torques_friction", false, "", "the method has none");
@@ -63,22 +66,23 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
 
 }  // namespace
 
-Explanation explain(const Packing& sample, const Scene& scene, MPI_Comm communicator, Reporter& reporter) {
+Explanation explain(const Packing& sample, const Scene& scene, const Continuation* before, MPI_Comm communicator,
+                    Reporter& reporter) {
     const Meter meter(communicator);
-    const Model model = compile_model(scene, sample);
-    if (!scene.steps.empty()) check_plane_speed(scene, model, sample, reporter);
+    const Model model = model_of(scene, sample, before);
+    forewarn(scene, sample, model, before, reporter);
     const std::vector<LoadSegment> path = load_path(scene, model.time_step);
 
     Explanation found;
-    found.ingredients = ingredients_of(scene, sample, model);
+    found.ingredients = ingredients_of(scene, sample, model, before);
     found.flows = expected_flows(scene, static_cast<std::int64_t>(sample.size()), model);
     found.particles = static_cast<std::int64_t>(sample.size());
     found.time_step = model.time_step;
-    found.time_step_reason = model.law->time_step_reason(scene, sample, model);
+    found.time_step_reason = model.law->time_step_reason(scene, model);
     for (const LoadSegment& segment : path) found.steps += segment.steps;
     if (!sample.relaxed)
         found.steps += relaxation_steps(model, expected_relaxation_periods(static_cast<std::int64_t>(sample.size())));
-    if (model.law->traits().planes_pull) found.steps += relaxation_steps(model, seating_periods);
+    if (model.law->traits().planes_pull && before == nullptr) found.steps += relaxation_steps(model, seating_periods);
 
     plugin::Simulation simulation(sample, model, scene.axis, communicator);
     if (!scene.steps.empty()) simulation.place_planes();

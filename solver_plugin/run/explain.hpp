@@ -12,6 +12,8 @@
 
 namespace tomodem {
 
+struct Continuation;
+
 /// Something that a scene makes the solver do, or spares it.
 struct Ingredient {
     std::string name;
@@ -35,7 +37,9 @@ struct Explanation {
 
 /// Checks sample and scene as a run would, and presses the sample for about two seconds to see what a step costs.
 /// Nothing is written. Collective.
+/// @param before  the run whose end is the beginning; null: there is none
 /// @throws InvalidInput as solve()
-Explanation explain(const Packing& sample, const Scene& scene, MPI_Comm communicator, Reporter& reporter);
+Explanation explain(const Packing& sample, const Scene& scene, const Continuation* before, MPI_Comm communicator,
+                    Reporter& reporter);
 
 }  // namespace tomodem

@@ -27,6 +27,7 @@ class ForceWindow {
         recent_.push_back(std::move(forces));
         if (recent_.size() > points_per_window) recent_.pop_front();
     }
+    bool filled() const { return !recent_.empty(); }
     Forces mean() const {
         Forces mean{{}, std::vector<Vec3>(recent_.front().walls.size(), Vec3::Zero()), 0};
         for (const Forces& forces : recent_) mean.steps += forces.steps;

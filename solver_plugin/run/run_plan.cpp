@@ -36,7 +36,9 @@ std::vector<PlannedPoint> plan_points(const Scene& scene, const std::vector<Load
                 frames = static_cast<std::int64_t>(travelled / frame_spacing * (1 + 1e-9));
             }
             since_rest += to - from;
-            point.rest = since_rest >= steps_between_rests;
+            // A run that continues from the end of a load must begin as one does that goes on with the next load.
+            const bool ends_load = to == segments[k].steps && k + 1 < segments.size();
+            point.rest = since_rest >= steps_between_rests || ends_load;
             if (point.rest) since_rest = 0;
             from = to;
             plan.push_back(point);

@@ -14,6 +14,8 @@
 #include "core/packing/packing_file.hpp"
 #include "core/packing/run_file.hpp"
 #include "core/scene/load_path.hpp"
+#include "solver_plugin/run/continuation.hpp"
+#include "solver_plugin/run/forewarnings.hpp"
 #include "solver_plugin/run/guards.hpp"
 #include "solver_plugin/run/meter.hpp"
 #include "solver_plugin/run/relaxation.hpp"
@@ -63,9 +65,11 @@ Inputs inputs_of(const Provenance& provenance) {
 /// A run between its first and its last point.
 class Pressing {
  public:
-    Pressing(Packing sample, const Scene& scene, const std::filesystem::path& run_file, const Provenance& provenance,
-             MPI_Comm communicator, const RunControl& control, Reporter& reporter)
+    Pressing(Packing sample, std::optional<Continuation> before, const Scene& scene,
+             const std::filesystem::path& run_file, const Provenance& provenance, MPI_Comm communicator,
+             const RunControl& control, Reporter& reporter)
         : sample_(std::move(sample)),
+          before_(std::move(before)),
           scene_(scene),
           communicator_(communicator),
           control_(control),
@@ -77,17 +81,18 @@ class Pressing {
           first_(first_process(communicator)),
           meter_(communicator),
           watch_(communicator),
-          model_(compile_model(scene, *sample_)),
-          segments_(load_path(scene, model_.time_step)),
+          model_(model_of(scene, *sample_, before_ ? &*before_ : nullptr)),
+          begin_(before_ ? before_->begin(scene) : LoadBegin{}),
+          segments_(load_path(scene, model_.time_step, begin_)),
           plan_(plan_points(scene, segments_)) {
         if (run_file.extension() == ".xdmf")
             throw InvalidInput(fmt::format("cannot write '{}': name the HDF5 file (.h5), the .xdmf comes beside it",
                                            run_file.string()));
-        check_plane_speed(scene, model_, *sample_, reporter);
-        model_.law->warn(scene, model_, reporter);
+        forewarn(scene, *sample_, model_, before_ ? &*before_ : nullptr, reporter);
         has_objects_ = !sample_->object.empty();
         const Vec3 edges = sample_->box.edges;
         initial_section_ = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];
+        if (before_) total_strain_ = before_->end.total_strain;
         if (scene.write_velocity) fields_.push_back(velocity_field);
         if (scene.self_contact) fields_.push_back(outward_field);
         simulation_.emplace(*sample_, model_, scene.axis, communicator);
@@ -102,6 +107,7 @@ class Pressing {
             resume();
         else
             begin(provenance);
+        before_.reset();
     }
 
     RunResult run() {
@@ -137,9 +143,9 @@ class Pressing {
         for (std::size_t k = 0; k < segment; ++k) steps += segments_[k].steps;
         return steps;
     }
-    std::string where() const {
-        return fmt::format("at strain {:.4f} (step {})", simulation_->strain(), simulation_->step());
-    }
+    std::string where() const { return fmt::format("at strain {:.4f} (step {})", strain(), simulation_->step()); }
+    /// Since the begin of the load.
+    double strain() const { return simulation_->strain() - begin_.strain; }
 
     void begin(const Provenance& provenance) {
         together(communicator_, [&] {
@@ -154,6 +160,43 @@ class Pressing {
                                 checkpoint_file_.string()));
             output_.emplace(run_file_, partial_);
         });
+        if (before_)
+            continue_before();
+        else
+            rest_first();
+        start_ = simulation().step();
+
+        sample_->box.periodic = {false, false, false};
+        sample_->relaxed = true;
+        RunShape shape;
+        shape.frames = 1 + static_cast<std::size_t>(std::count_if(plan_.begin(), plan_.end(),
+                                                                  [](const auto& point) { return point.frame; }));
+        shape.fields = fields_;
+        const std::vector<Vec3> no_wall_forces(scene_.walls.size(), Vec3::Zero());
+        for (const CurveValue& curve : curve_values(scene_, {}, no_wall_forces, {}))
+            shape.curves.push_back({curve.name, curve.unit, plan_.size() + 1});
+        together(communicator_, [&] {
+            if (first_) create_run_file(*sample_, shape, provenance, partial_, run_file_);
+        });
+        sample_.reset();
+        open();
+        plugin::Energies energies;
+        Forces forces{{}, no_wall_forces, 0};
+        if (before_) {
+            energies = {before_->end.kinetic_energy, before_->end.potential_energy};
+            if (window_.filled()) forces = window_.mean();
+        } else {
+            simulation().run(0);
+            energies = simulation().energies();
+            refuse_collapse(simulation(), energies.seeds, model_, "at the start");
+        }
+        write_frame();
+        write_point(0, measure(0, forces.planes, initial_section_, initial_section_), forces.walls, energies);
+        take_snapshot();
+    }
+
+    /// Of a sample, and between planes that pull.
+    void rest_first() {
         try {
             const auto watch = watching(watch_, simulation());
             if (!sample_->relaxed) {
@@ -171,28 +214,29 @@ class Pressing {
             throw InvalidInput(fmt::format("stopped by {} while the sample was relaxed: nothing is kept",
                                            StopSignals::name(stop.signal)));
         }
-        start_ = simulation().step();
+    }
 
-        sample_->box.periodic = {false, false, false};
-        sample_->relaxed = true;
-        RunShape shape;
-        shape.frames = 1 + static_cast<std::size_t>(std::count_if(plan_.begin(), plan_.end(),
-                                                                  [](const auto& point) { return point.frame; }));
-        shape.fields = fields_;
-        const std::vector<Vec3> no_wall_forces(scene_.walls.size(), Vec3::Zero());
-        for (const CurveValue& curve : curve_values(scene_, {}, no_wall_forces, {}))
-            shape.curves.push_back({curve.name, curve.unit, plan_.size() + 1});
-        together(communicator_, [&] {
-            if (first_) create_run_file(*sample_, shape, provenance, partial_, run_file_);
-        });
-        sample_.reset();
-        open();
-        simulation().run(0);
-        const plugin::Energies energies = simulation().energies();
-        refuse_collapse(simulation(), energies.seeds, model_, "at the start");
-        write_frame();
-        write_point(0, measure(0, {}, initial_section_, initial_section_), no_wall_forces, energies);
-        take_snapshot();
+    /// From the end of the run before.
+    void continue_before() {
+        prepare(*before_, scene_, model_);
+        simulation().restore(before_->state);
+        steps_before_ = simulation().step();
+        if (!scene_.steps.empty()) {
+            if (before_->has_planes())
+                hold();
+            else
+                simulation().place_planes();
+        }
+        place_walls(simulation(), scene_, WallsInside::refused);
+        // Walls have other forces than before; the planes' go on.
+        if (before_->has_planes() && scene_.walls.empty() && before_->scene.walls.empty())
+            window_.restore(before_->end.window, 0);
+    }
+
+    /// The last rate of the run before is that of the present segment until the load begins.
+    void hold() {
+        simulation().continue_loading({.strain = begin_.strain, .rate = {begin_.rate}, .time_step = model_.time_step},
+                                      simulation().step());
     }
 
     void resume() {
@@ -214,18 +258,23 @@ class Pressing {
         place_walls(simulation(), scene_, WallsInside::allowed);
         next_ = static_cast<std::size_t>(checkpoint.number("next_point"));
         start_ = static_cast<std::int64_t>(checkpoint.number("first_step"));
+        steps_before_ = static_cast<std::int64_t>(checkpoint.number("steps_before"));
         frames_ = static_cast<std::size_t>(checkpoint.number("frames"));
         error_sum_ = checkpoint.number("error_sum");
         error_points_ = static_cast<std::int64_t>(checkpoint.number("error_points"));
         samples_ = static_cast<std::int64_t>(checkpoint.number("samples"));
         last_stress_ = checkpoint.number("last_stress");
         last_strain_ = checkpoint.number("last_strain");
+        last_section_ = checkpoint.number("last_section");
+        last_energies_ = {checkpoint.number("last_kinetic_energy"), checkpoint.number("last_potential_energy")};
         window_.restore(checkpoint.numbers.at("window"), scene_.walls.size());
         meter_.carry(checkpoint.number("wall_seconds"), checkpoint.number("cpu_seconds"));
         sums_ = checkpoint.sums;
-        if (next_ < plan_.size() && plan_[next_].from > 0) {
-            const std::size_t segment = plan_[next_].segment;
+        if (next_ > 0) {  // the segment that the last point is in, to its end
+            const std::size_t segment = plan_[next_ - 1].segment;
             simulation().continue_loading(segments_[segment], segment_start(segment));
+        } else if (before_ && before_->has_planes() && !scene_.steps.empty()) {
+            hold();
         }
         open();
         reporter_.note(fmt::format("resuming {}{}", where(),
@@ -259,14 +308,13 @@ class Pressing {
             simulation().run(steps, pieces);
         }
         const plugin::Energies energies = simulation().energies();
-        refuse_runaway(simulation(), energies.kinetic, model_, fmt::format("at strain {:.3f}", simulation().strain()));
-        refuse_collapse(simulation(), energies.seeds, model_, fmt::format("at strain {:.3f}", simulation().strain()));
-        refuse_heat(simulation(), energies.kinetic, model_, fmt::format("at strain {:.3f}", simulation().strain()));
+        refuse_runaway(simulation(), energies.kinetic, model_, fmt::format("at strain {:.3f}", strain()));
+        refuse_collapse(simulation(), energies.seeds, model_, fmt::format("at strain {:.3f}", strain()));
+        refuse_heat(simulation(), energies.kinetic, model_, fmt::format("at strain {:.3f}", strain()));
         window_.add({simulation().take_forces(), simulation().take_wall_forces(), steps});
         const Forces forces = window_.mean();
-        const double strain = simulation().strain();
-        const double section = simulation().periodic_section().value_or(initial_section_ * std::exp(-strain));
-        const Point measured = measure(strain, forces.planes, section, initial_section_);
+        const double section = simulation().periodic_section().value_or(initial_section_ * std::exp(-strain()));
+        const Point measured = measure(strain(), forces.planes, section, initial_section_);
         ++next_;
         write_point(next_, measured, forces.walls, energies);
         if (point.travelled > scene_.path_length() / 2) {
@@ -275,6 +323,8 @@ class Pressing {
         }
         last_stress_ = measured.stress_true;
         last_strain_ = measured.strain;
+        last_section_ = measured.section;
+        last_energies_ = energies;
         if (point.frame) write_frame();
         if (point.rest) {
             take_snapshot();
@@ -337,12 +387,16 @@ class Pressing {
         const auto keep = [&](const char* name, double number) { snapshot_.numbers[name] = {number}; };
         keep("next_point", static_cast<double>(next_));
         keep("first_step", static_cast<double>(start_));
+        keep("steps_before", static_cast<double>(steps_before_));
         keep("frames", static_cast<double>(frames_));
         keep("error_sum", error_sum_);
         keep("error_points", static_cast<double>(error_points_));
         keep("samples", static_cast<double>(samples_));
         keep("last_stress", last_stress_);
         keep("last_strain", last_strain_);
+        keep("last_section", last_section_);
+        keep("last_kinetic_energy", last_energies_.kinetic);
+        keep("last_potential_energy", last_energies_.seeds);
         keep("wall_seconds", cost.wall_seconds);
         keep("cpu_seconds", cost.cpu_seconds);
         snapshot_.numbers["window"] = window_.numbers();
@@ -405,8 +459,9 @@ class Pressing {
         result.final_stress = last_stress_;
         result.mean_equilibrium_error = error_points_ > 0 ? error_sum_ / static_cast<double>(error_points_) : 0;
         result.particles_lost = result.particles - simulation().particles();
-        result.cost = meter_.cost(simulation().step(), simulation().neighbour_builds());
+        result.cost = meter_.cost(simulation().step() - steps_before_, simulation().neighbour_builds());
         together(communicator_, [&] { file_->close(); });
+        write_end();
         together(communicator_, [&] {
             if (!first_) return;
             std::vector<double> times{0};
@@ -422,7 +477,28 @@ class Pressing {
         return result;
     }
 
-    std::optional<Packing> sample_;  ///< until the simulation and the run file have it
+    /// What another load continues from.
+    void write_end() {
+        simulation().rest();
+        Checkpoint end;
+        simulation().save(end);
+        const bool planes = !scene_.steps.empty();
+        const LoadSegment& last = segments_.back();
+        EndOfRun{.strain = planes ? begin_.strain + scene_.steps.back().strain : 0,
+                 .total_strain = total_strain_ + (planes ? scene_.steps.back().strain : 0),
+                 .rate = planes ? last.rate_at(last.time_step * static_cast<double>(last.steps)) : 0,
+                 .time_step = model_.time_step,
+                 .height = model_.height,
+                 .section = planes ? last_section_ : initial_section_,
+                 .kinetic_energy = last_energies_.kinetic,
+                 .potential_energy = last_energies_.seeds,
+                 .window = window_.numbers()}
+            .save(end);
+        write_end_state(end, partial_, run_file_, communicator_);
+    }
+
+    std::optional<Packing> sample_;       ///< until the simulation and the run file have it
+    std::optional<Continuation> before_;  ///< until the simulation has its state
     bool has_objects_ = false;
     const Scene& scene_;
     MPI_Comm communicator_;
@@ -435,6 +511,7 @@ class Pressing {
     Meter meter_;
     Watch watch_;
     Model model_;
+    LoadBegin begin_;
     std::vector<LoadSegment> segments_;
     std::vector<PlannedPoint> plan_;
     std::vector<ParticleField> fields_;
@@ -445,10 +522,13 @@ class Pressing {
 
     std::size_t next_ = 0;  ///< point of the plan
     std::int64_t start_ = 0;
+    std::int64_t steps_before_ = 0;  ///< of the run that this one continues
     std::size_t frames_ = 0;
     ForceWindow window_;
     double predicted_wall_ = 0;
-    double error_sum_ = 0, last_stress_ = 0, last_strain_ = 0;
+    double error_sum_ = 0, last_stress_ = 0, last_strain_ = 0, last_section_ = 0;
+    plugin::Energies last_energies_;
+    double total_strain_ = 0;  ///< before this run
     std::int64_t error_points_ = 0, samples_ = 0;
     RowBlock sums_;
 
@@ -462,7 +542,14 @@ class Pressing {
 
 RunResult solve(Packing sample, const Scene& scene, const std::filesystem::path& run_file, const Provenance& provenance,
                 MPI_Comm communicator, const RunControl& control, Reporter& reporter) {
-    return Pressing(std::move(sample), scene, run_file, provenance, communicator, control, reporter).run();
+    return Pressing(std::move(sample), {}, scene, run_file, provenance, communicator, control, reporter).run();
+}
+
+RunResult solve(Continuation before, const Scene& scene, const std::filesystem::path& run_file,
+                const Provenance& provenance, MPI_Comm communicator, const RunControl& control, Reporter& reporter) {
+    Packing sample = std::move(before.sample);
+    return Pressing(std::move(sample), std::move(before), scene, run_file, provenance, communicator, control, reporter)
+        .run();
 }
 
 bool is_complete(const std::filesystem::path& run_file, const Provenance& provenance) {

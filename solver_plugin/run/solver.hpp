@@ -76,6 +76,8 @@ struct RunControl {
     double checkpoint_minutes = 10;  ///< of wall time between two checkpoints; 0: none, nor at signals
 };
 
+struct Continuation;
+
 /// Relaxes the sample if it is not, presses it as the scene says, and writes frames and curves to an H5MD file.
 ///
 /// Curves have a point every tenth of averaging_strain; each force is a mean over the last averaging_strain.
@@ -89,6 +91,13 @@ struct RunControl {
 /// @param sample  given away: its memory is free once the solver has the particles
 RunResult solve(Packing sample, const Scene& scene, const std::filesystem::path& run_file, const Provenance& provenance,
                 MPI_Comm communicator, const RunControl& control = {}, Reporter& reporter = silent_reporter());
+
+/// The same with the end of an earlier run as the beginning: particles, velocities, contacts, hardening and the planes
+/// go on, strain and time of the new run begin at zero.
+/// @param before  check_continuation() has accepted the scene
+RunResult solve(Continuation before, const Scene& scene, const std::filesystem::path& run_file,
+                const Provenance& provenance, MPI_Comm communicator, const RunControl& control = {},
+                Reporter& reporter = silent_reporter());
 
 /// Whether the run file is there already, complete, from the same inputs and version.
 bool is_complete(const std::filesystem::path& run_file, const Provenance& provenance);

@@ -54,6 +54,15 @@ struct FoundCheckpoint {
 /// @throws InvalidInput if it was made by another version, scene or sample: says which
 FoundCheckpoint read_checkpoint(const std::filesystem::path& path, const Inputs& inputs, MPI_Comm communicator);
 
+/// Adds the state of its end to a run file that is complete but for it, from which another load can continue.
+/// Collective. @param shown  the file in errors
+void write_end_state(const Checkpoint& checkpoint, const std::filesystem::path& run_file,
+                     const std::filesystem::path& shown, MPI_Comm communicator);
+
+/// Every process reads its part.
+/// @throws InvalidInput if the file has no such state, or one of another format
+FoundCheckpoint read_end_state(const std::filesystem::path& run_file, MPI_Comm communicator);
+
 /// The first row that process `rank` of `processes` holds when `rows` are dealt out in blocks.
 std::size_t first_row(std::size_t rows, int rank, int processes);
 

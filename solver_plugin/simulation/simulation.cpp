@@ -182,7 +182,7 @@ std::int64_t Simulation::place_wall(const TriangleMesh& mesh, const Wall& wall) 
     motion.start = wall.start;
     motion.stop = wall.stop;
     fix->place(placed, motion);
-    if (s.loading) fix->start(s.loading_start);
+    if (s.loading) fix->start(s.walls_start);
     s.surfaces.push_back(fix);
     s.use_laws();
     s.ready = false;
@@ -195,7 +195,7 @@ void Simulation::set_loading(const LoadSegment& segment) {
     if (!s.loading) {
         // Walls stand still, and forces do not count, while the sample comes to rest between them.
         s.loading = true;
-        s.loading_start = step();
+        s.loading_start = s.walls_start = step();
         // Pairs that form before, while the sample comes to rest, are internal.
         if (s.model.self_contact) s.remember_contacts();
         for (FixSurface* surface : s.surfaces) surface->start(step());

@@ -30,6 +30,8 @@ void Simulation::save(Checkpoint& checkpoint) const {
     }
     checkpoint.numbers["solver_loading_start"] = {static_cast<double>(s.loading_start)};
     checkpoint.numbers["solver_loading"] = {s.loading ? 1.0 : 0.0};
+    checkpoint.numbers["solver_walls_start"] = {static_cast<double>(s.walls_start)};
+    checkpoint.numbers["solver_centre"] = {s.centre[0], s.centre[1], s.centre[2]};
     checkpoint.numbers["solver_hardening"] = s.hardening;
     checkpoint.numbers["solver_step"] = {static_cast<double>(step())};
     checkpoint.numbers["solver_box"] = {domain.boxlo[0], domain.boxlo[1], domain.boxlo[2],
@@ -57,7 +59,9 @@ void Simulation::restore(const FoundCheckpoint& found) {
     s.count_particles();
     s.hardening = found.checkpoint.numbers.at("solver_hardening");
     s.loading_start = static_cast<std::int64_t>(found.checkpoint.number("solver_loading_start"));
+    s.walls_start = static_cast<std::int64_t>(found.checkpoint.number("solver_walls_start"));
     s.loading = found.checkpoint.number("solver_loading") != 0;
+    std::copy_n(found.checkpoint.numbers.at("solver_centre").data(), 3, s.centre.data());
     rest();
     if (const auto planes = found.checkpoint.numbers.find("solver_planes"); planes != found.checkpoint.numbers.end()) {
         s.add_planes();
@@ -74,6 +78,7 @@ void Simulation::restore(const FoundCheckpoint& found) {
         memory.resize(atoms.nlocal, 0);
         const std::int64_t* word = particles.memory.data();
         for (int i = 0; i < atoms.nlocal; ++i) {
+            if (particles.memory_length[i] == 0) continue;  // of a run without self-contact: all that touch are inside
             for (int c = 0; c < 3; ++c) memory.outward()[i][c] = std::bit_cast<double>(*word++);
             auto& interfaces = memory.interfaces(i);
             interfaces.resize(static_cast<std::size_t>(particles.memory_length[i] - 3) / 2);

@@ -40,7 +40,8 @@ struct Simulation::State {
     std::vector<double> hardening;     ///< factor of each phase at present
     bool relaxing = false;
     bool loading = false;
-    std::int64_t loading_start = 0;      ///< step
+    std::int64_t loading_start = 0;      ///< step: hardening counts from here
+    std::int64_t walls_start = 0;        ///< step: the motion of the walls counts from here
     bool ready = false;                  ///< LIGGGHTS is set up for the present masses, planes and walls
     double sample_volume = 0;            ///< of the sample's box, in its own lengths
     std::int64_t builds_before = 0;      ///< neighbour builds before the last set-up

@@ -263,7 +263,7 @@ MeasuredRun measure_run(const std::filesystem::path& path, const FlowStrain& whe
     };
     const RunReader reader(path);
     if (reader.provenance().scene.empty()) fail("the file holds no scene; give runs that solve wrote");
-    const Scene scene = parse_scene(reader.provenance().scene, "of " + path.string());
+    const Scene scene = parse_stored_scene(reader.provenance().scene, "of " + path.string());
     if (scene.phases.size() != 1) fail("a calibration is of one phase, its scene has several");
     const Phase& phase = scene.phases.front();
     if (phase.hardening) fail("a calibration is of a material that does not harden in time");

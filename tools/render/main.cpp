@@ -133,7 +133,7 @@ std::map<std::int32_t, std::string> phase_names(const Request& request, const Pr
     if (!request.labels.empty()) return parse_label_names("--labels", request.labels);
     std::map<std::int32_t, std::string> names;
     if (!provenance.scene.empty())
-        for (const Phase& phase : parse_scene(provenance.scene, "of " + request.input.string()).phases)
+        for (const Phase& phase : parse_stored_scene(provenance.scene, "of " + request.input.string()).phases)
             names[phase.label] = phase.name;
     return names;
 }

@@ -5,10 +5,14 @@
 #include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 
+#include "core/base/error.hpp"
 #include "core/cli/cli.hpp"
 #include "core/packing/packing_file.hpp"
 #include "core/scene/expected_flow.hpp"
+#include "solver_plugin/run/continuation.hpp"
 #include "solver_plugin/run/explain.hpp"
 #include "solver_plugin/run/mpi_session.hpp"
 
@@ -16,20 +20,23 @@ namespace {
 
 using namespace tomodem;
 
-/// Of the mean over the second half of the path: above, the curves say more of inertia than of the material.
-constexpr double large_equilibrium_error = 0.1;
-
 struct Request {
     std::filesystem::path sample, scene, run;
+    std::string frame;
     RunControl control;
     bool explain = false;
 };
 
 cli::Usage usage(Request& request) {
     return cli::Usage("solve", "Deform a sample of particles as a scene says, and write frames and curves.")
-        .input("SAMPLE", request.sample, "Sample of particles (.h5). It is relaxed first if that was not done before.")
+        .input("SAMPLE", request.sample,
+               "Sample of particles (.h5), relaxed first if that was not done before; with --frame last, a run.")
         .input("SCENE", request.scene, "What the sample is made of and how it is loaded (.toml, docs/scene.md).")
         .output("RUN", request.run, "Frames and curves to write.", {".h5"})
+        .option(
+            "--frame", request.frame,
+            "With `last`, SAMPLE is a run, and the new load continues from its end (docs/running.md). Strain and time "
+            "count from there.")
         .flag("--resume", request.control.resume,
               "Resume an interrupted run from its RUN.checkpoint. If there is none, the run starts from the beginning.")
         .option("--checkpoint-every", request.control.checkpoint_minutes, cli::Unit::none, cli::not_negative,
@@ -41,18 +48,16 @@ cli::Usage usage(Request& request) {
         .example("solve relaxed.h5 scene.toml run.h5")
         .example("solve relaxed.h5 scene.toml run.h5 --explain")
         .example("solve relaxed.h5 scene.toml run.h5 --resume")
+        .example("solve run.h5 --frame last next_load.toml next.h5")
         .example("mpirun -np 2 solve relaxed.h5 scene.toml run.h5 --json run.json");
 }
 
-/// What the calibration promises of each phase that is given by norton; warns outside of what it was measured on.
+/// What the calibration promises of each phase that is given by norton.
 void report(const Scene& scene, const std::vector<ExpectedFlow>& flows, cli::Tool& tool) {
     if (flows.empty()) return;
     tool.report("calibration", scene.calibration ? scene.flow_table().name : "shipped, " + scene.flow_table().name);
     auto rows = nlohmann::ordered_json::array();
     for (const ExpectedFlow& one : flows) {
-        if (!one.outside.empty())
-            tool.note(
-                fmt::format("[phase.{}] is outside its calibration: {}", one.phase, fmt::join(one.outside, "; ")));
         tool.report(
             "expected_flow_" + one.phase,
             fmt::format("{:.4g} MPa within {:.0f} % (packings {:.1f}, rates {:.1f}, size {:.1f}, time step {:.1f}), "
@@ -90,11 +95,25 @@ void report(const Explanation& found, cli::Tool& tool) {
     tool.report("predicted_peak_bytes", found.peak_bytes, "B");
 }
 
+Continuation end_of_run(const Request& request, const Scene& scene) {
+    Continuation before = read_continuation(request.sample, MPI_COMM_WORLD);
+    const std::size_t last = RunReader(request.sample).frame_count() - 1;
+    if (request.frame != "last" && request.frame != std::to_string(last))
+        throw InvalidInput(
+            fmt::format("--frame {}: a load continues from the last frame of a run (--frame last); of those before it, "
+                        "the velocities and what the contacts remember are not kept",
+                        request.frame));
+    check_continuation(before, scene);
+    return before;
+}
+
 void run(const Request& request, cli::Tool& tool) {
     const Scene scene = read_scene(request.scene);
-    Packing sample = read_sample(request.sample);
+    std::optional<Continuation> before;
+    if (!request.frame.empty()) before = end_of_run(request, scene);
+    Packing sample = before ? before->sample : read_sample(request.sample);
     if (request.explain) {
-        const Explanation found = explain(sample, scene, MPI_COMM_WORLD, tool);
+        const Explanation found = explain(sample, scene, before ? &*before : nullptr, MPI_COMM_WORLD, tool);
         report(found, tool);
         report(scene, found.flows, tool);
         return;
@@ -106,15 +125,25 @@ void run(const Request& request, cli::Tool& tool) {
             provenance.inputs[wall.surface.string()] = content_digest(wall.surface);
     if (!scene.calibration_file.empty())
         provenance.inputs[scene.calibration_file.string()] = content_digest(scene.calibration_file);
+    if (before) {
+        provenance.strain_before = before->end.total_strain;
+        provenance.time_before = before->time();
+    }
     if (request.control.resume && is_complete(request.run, provenance)) {
         tool.note(fmt::format("'{}' is complete: nothing to do", request.run.string()));
         return;
     }
-    const std::vector<ExpectedFlow> flows =
-        expected_flows(scene, static_cast<std::int64_t>(sample.size()), compile_model(scene, sample));
+    const std::vector<ExpectedFlow> flows = expected_flows(scene, static_cast<std::int64_t>(sample.size()),
+                                                           model_of(scene, sample, before ? &*before : nullptr));
     report(scene, flows, tool);
+    if (before) {
+        tool.report("strain_before", *provenance.strain_before);
+        tool.report("time_before", *provenance.time_before, "s");
+        tool.report_json("changed_since_run", changes(before->scene, scene));
+    }
     const RunResult result =
-        solve(std::move(sample), scene, request.run, provenance, MPI_COMM_WORLD, request.control, tool);
+        before ? solve(std::move(*before), scene, request.run, provenance, MPI_COMM_WORLD, request.control, tool)
+               : solve(std::move(sample), scene, request.run, provenance, MPI_COMM_WORLD, request.control, tool);
     tool.report("particles", result.particles);
     tool.report("particles_lost", result.particles_lost);
     tool.report("time_step", result.time_step, "s");

@@ -187,6 +187,7 @@ void run(const Request& request, cli::Tool& tool) {
 
     Provenance provenance = tool.provenance();
     provenance.geometric_error = error.json().dump();
+    sample.packing.label_names = names;
     write_packing(sample.packing, request.sample, provenance);
     clock.done("writing");
     clock.report(tool);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/base/reporter.hpp"
 #include "core/base/toml_reader.hpp"
 #include "core/scene/expected_flow.hpp"
 #include "core/scene/laws/crown_law.hpp"
@@ -103,10 +104,22 @@ class Bilin final : public CrownLaw {
         return table;
     }
 
-    std::string time_step_reason(const Scene& scene, const Packing& sample, const Model& model) const override {
+    void warn(const Scene& scene, const Model& model, Reporter& reporter) const override {
+        CrownLaw::warn(scene, model, reporter);
+        double error = error_per_strain_step * scene.highest_rate() * model.time_step;
+        for (const PhaseModel& phase : model.phases)
+            error = std::max(error, error_per_rate_and_period * scene.highest_rate() * phase.natural_period);
+        if (error > large_equilibrium_error)
+            reporter.warn(
+                fmt::format("inertia may carry {:.0f} % of the load at {:g} /s (equilibrium_error): take a lower rate, "
+                            "or max_equilibrium_error = {:g} in [accuracy]",
+                            100 * error, scene.highest_rate(), large_equilibrium_error / 10));
+    }
+
+    std::string time_step_reason(const Scene& scene, const Model& model) const override {
         if (const auto bound = number_of(scene.law_accuracy, error_key))
             return fmt::format("{} {:g}", error_key, *bound);
-        return Law::time_step_reason(scene, sample, model);
+        return Law::time_step_reason(scene, model);
     }
 
  protected:

@@ -43,11 +43,8 @@ double inertia_share(const Scene& scene) {
     return number_of(scene.law_accuracy, inertia_key).value_or(usual_inertia_share);
 }
 
-Limits limits(const Scene& scene, const Packing& sample, const law::Norton& law) {
+Limits limits(const Scene& scene, double height, const law::Norton& law) {
     const double d = 2 * scene.seed_radius, rate = scene.highest_rate();
-    const auto [low, high] = std::minmax_element(sample.position.begin(), sample.position.end(),
-                                                 [&](auto& a, auto& b) { return a[scene.axis] < b[scene.axis]; });
-    const double height = ((*high)[scene.axis] - (*low)[scene.axis]) / (2 * sample.seed_radius);
     const double error = inertia_share(scene);
     Limits found{std::min(max_inertia, 12 * error * C::volume / std::max(1.0, height * height)), 0, 0};
     double softest = 1e300, most_viscous = 0, strongest = 0;
@@ -151,7 +148,7 @@ class NortonLaw final : public Law {
                 {consistency, wanted.rate_sensitivity, consistency * std::pow(reference, wanted.rate_sensitivity)});
             softest = std::min(softest, consistency * std::pow(rate, wanted.rate_sensitivity));
         }
-        const Limits found = limits(scene, sample, law);
+        const Limits found = limits(scene, model.height, law);
         const double longest = std::min(found.viscous, found.elastic);
         model.time_step = scene.time_step.value_or(longest);
         if (model.time_step > longest * (1 + 1e-9))
@@ -187,9 +184,9 @@ class NortonLaw final : public Law {
         return table;
     }
 
-    std::string time_step_reason(const Scene& scene, const Packing& sample, const Model& model) const override {
+    std::string time_step_reason(const Scene& scene, const Model& model) const override {
         if (scene.time_step) return "given in [accuracy]";
-        const Limits found = limits(scene, sample, norton_of(model));
+        const Limits found = limits(scene, model.height, norton_of(model));
         const std::string inertia =
             found.inertia < max_inertia
                 ? fmt::format("inertia of {:g} of the stress at this height", inertia_share(scene))
@@ -200,7 +197,10 @@ class NortonLaw final : public Law {
     }
 
     /// NORTON's packings are too loose for N_mag (docs/norton.md).
-    void warn(const Scene&, const Model& model, Reporter& reporter) const override {
+    void warn(const Scene& scene, const Model& model, Reporter& reporter) const override {
+        if (inertia_share(scene) > large_equilibrium_error)
+            reporter.warn(fmt::format("{} = {:g} lets inertia carry that share of the load: take {:g}, the default",
+                                      inertia_key, inertia_share(scene), usual_inertia_share));
         if (model.self_contact)
             reporter.warn(
                 "self_contact does not work under law \"norton\": its packings are loose, contacts inside are taken "

@@ -9,7 +9,7 @@ namespace tomodem::fields {
 
 RunFrames::RunFrames(const std::filesystem::path& file) : run_(file), labels_(run_.packing().species) {
     const std::string& scene = run_.provenance().scene;
-    if (!scene.empty()) scene_ = parse_scene(scene, file.string());
+    if (!scene.empty()) scene_ = parse_stored_scene(scene, file.string());
     std::sort(labels_.begin(), labels_.end());
     labels_.erase(std::unique(labels_.begin(), labels_.end()), labels_.end());
 }

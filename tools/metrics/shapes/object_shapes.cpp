@@ -73,7 +73,7 @@ ChosenObjects choose_objects(const Packing& packing, const ObjectChoice& choice)
 
 int load_axis(const RunReader& run, const std::filesystem::path& file) {
     const std::string& scene = run.provenance().scene;
-    return scene.empty() ? 2 : parse_scene(scene, file.string()).axis;
+    return scene.empty() ? 2 : parse_stored_scene(scene, file.string()).axis;
 }
 
 Spread plain_spread(std::span<const double> values) {

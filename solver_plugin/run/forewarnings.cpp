@@ -1,0 +1,44 @@
+#include "solver_plugin/run/forewarnings.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/scene/expected_flow.hpp"
+#include "core/scene/load_path.hpp"
+#include "solver_plugin/run/continuation.hpp"
+#include "solver_plugin/run/guards.hpp"
+
+namespace tomodem {
+namespace {
+
+void warn_of_hardening(const Scene& scene, double end, Reporter& reporter) {
+    for (const Phase& phase : scene.phases) {
+        if (!phase.hardening) continue;
+        if (const auto& table = phase.hardening->table; !table.empty() && table.back()[0] < end)
+            reporter.warn(
+                fmt::format("hardening of [phase.{}] ends at {:g} s and the load at {:g} s: its strength "
+                            "stays constant between them",
+                            phase.name, table.back()[0], end));
+    }
+}
+
+}  // namespace
+
+void forewarn(const Scene& scene, const Packing& sample, const Model& model, const Continuation* before,
+              Reporter& reporter) {
+    if (before != nullptr)
+        for (const std::string& line : changes(before->scene, scene)) reporter.warn(line);
+    for (const std::string& line : other_names(scene, sample)) reporter.warn(line);
+    for (const ExpectedFlow& one : expected_flows(scene, static_cast<std::int64_t>(sample.size()), model))
+        if (!one.outside.empty())
+            reporter.note(
+                fmt::format("[phase.{}] is outside its calibration: {}", one.phase, fmt::join(one.outside, "; ")));
+    check_plane_speed(scene, model, sample, reporter);
+    model.law->warn(scene, model, reporter);
+    double end = before != nullptr ? before->time() : 0;
+    for (const LoadSegment& segment : load_path(scene, model.time_step))
+        end += segment.time_step * static_cast<double>(segment.steps);
+    warn_of_hardening(scene, end, reporter);
+}
+
+}  // namespace tomodem
