@@ -64,6 +64,18 @@ std::vector<Vec3> particles_of_features(const Packing& packing) {
     return found;
 }
 
+/// Whether there is more void than solid in the box around the particles; in solid, spheres fill two thirds of the
+/// space.
+bool is_open(const Packing& packing) {
+    constexpr double half_of_solid = 0.33;
+    Vec3 low = packing.position.front(), high = low;
+    for (const Vec3& centre : packing.position) low = low.cwiseMin(centre), high = high.cwiseMax(centre);
+    const Vec3 edges = (high - low).array() + 2 * packing.seed_radius;
+    const double spheres =
+        4.0 / 3.0 * std::numbers::pi * std::pow(packing.seed_radius, 3) * static_cast<double>(packing.size());
+    return spheres < half_of_solid * edges.prod();
+}
+
 /// Nothing where the packing is too small or too flat to have pores.
 Pores pores_of(const Packing& packing, bool with_lid) {
     PoreSearch search{.probe_radius = default_probe_radius(packing.seed_radius), .seed_radius = packing.seed_radius};
@@ -80,12 +92,14 @@ Pores pores_of(const Packing& packing, bool with_lid) {
 
 CutPlane best_cut(const Packing& packing) {
     std::vector<Vec3> features = particles_of_features(packing);
+    double radius = packing.seed_radius;
     const bool many = packing.size() > many_particles;
     Pores pores;
-    if (!many || features.empty()) pores = pores_of(packing, !many);
-    if (features.empty() && pores.volume() > pores.solid) {
+    if (features.empty() && is_open(packing)) {
         features = packing.position;
-        pores = {};
+        radius *= 3;  // the mean over three diameters: a layer of particles is no strut
+    } else if (!many || features.empty()) {
+        pores = pores_of(packing, !many);
     }
 
     struct Candidate {
@@ -101,10 +115,10 @@ CutPlane best_cut(const Packing& packing) {
         for (int k = 0; k < places; ++k) {
             const double share = first_share + (last_share - first_share) * k / (places - 1.0);
             const double place = (*low)[axis] + share * ((*high)[axis] - (*low)[axis]);
-            candidates.push_back({{cut, place},
-                                  std::abs(share - 0.5),
-                                  area_of_spheres(features, packing.seed_radius, axis, place) +
-                                      area_inside(pores.surface.mesh, axis, place)});
+            candidates.push_back(
+                {{cut, place},
+                 std::abs(share - 0.5),
+                 area_of_spheres(features, radius, axis, place) + area_inside(pores.surface.mesh, axis, place)});
         }
     }
     std::stable_sort(candidates.begin(), candidates.end(),

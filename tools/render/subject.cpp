@@ -72,6 +72,21 @@ Extent extent_along(const std::vector<Vec3>& positions, int axis) {
     return {mean, std::sqrt(square / static_cast<double>(positions.size()))};
 }
 
+/// Darker the deeper a sphere lies below the faces of the sample and below the cut, as a hole is darker than its rim:
+/// there are no shadows, and a pore that is cut open would look as the matter around it.
+void darken_what_is_deep(const Box& sample, int axis, double place, double diameter, Picture& picture) {
+    constexpr double seen_anyway = 1.0, darkest = 0.35, a_diameter = 0.25;
+    for (std::size_t k = 0; k < picture.centres.size(); ++k) {
+        const Vec3 below = picture.centres[k] - sample.origin;
+        const double depth =
+            std::min({below.minCoeff(), (sample.edges - below).minCoeff(), std::abs(picture.centres[k][axis] - place)});
+        const double light = std::clamp(1.0 - a_diameter * (depth / diameter - seen_anyway), darkest, 1.0);
+        Rgb& colour = picture.colours[k];
+        for (std::uint8_t* part : {&colour.red, &colour.green, &colour.blue})
+            *part = static_cast<std::uint8_t>(std::lround(light * *part));
+    }
+}
+
 std::string counted(std::size_t count, const std::string& thing) {
     return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
@@ -231,6 +246,9 @@ void Subject::add_particles(std::size_t frame, const std::vector<Vec3>& position
         picture.centres.push_back(positions[k]);
         picture.colours.push_back(colours[k]);
     }
+    if (options_.cut.cut != Cut::none && !quantity_)
+        darken_what_is_deep(bounds(positions, picture.radius), options_.cut.axis(), place_of_cut(positions),
+                            2 * picture.radius, picture);
     add_legend(picture, shown);
     if (options_.arrows.empty()) return;
     const std::vector<Vec3> all = vectors(run_, options_.arrows, frame);

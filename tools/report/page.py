@@ -369,10 +369,11 @@ class Page:
         changed = []
         for measure, key, name in (("topology", "b0", "separate parts"), ("topology", "b1", "handles"),
                                    ("topology", "b2", "closed pores"), ("pores", "pores", "pores, those with a mouth included")):
-            one = self.summary.get(measure, {})
-            before, after = one.get(f"{key}_first"), one.get(f"{key}_last")
-            if isinstance(before, int) and isinstance(after, int) and before != after:
-                changed.append(f"{name} {count(before)} → {count(after)}")
+            numbers = self.tables.get(measure, {}).get(key)
+            if plots.numeric(numbers) and len(numbers := numbers[np.isfinite(numbers)]) and min(numbers) != max(numbers):
+                way = "" if {numbers[0], numbers[-1]} >= {min(numbers), max(numbers)} else \
+                    f" ({count(int(min(numbers)))} to {count(int(max(numbers)))} on the way)"
+                changed.append(f"{name} {count(int(numbers[0]))} → {count(int(numbers[-1]))}{way}")
         if not changed:
             return "Nothing merged, split, opened or closed on the way, the whole sample taken as one material."
         return ("No part and no closed pore that is large enough to be followed from frame to frame merged, split, opened or closed. "

@@ -222,8 +222,9 @@ class Steps:
         commands, files = set(), {os.path.realpath(run.path)}
         for provenance in Steps.origins(run):
             commands.add(provenance.command_line)
+            # Not the brick beside it, which samples of other images may share.
             if provenance.tool == "vol2pack":
-                files |= real_paths(provenance.inputs, run.path.parent)
+                files |= real_paths(shlex.split(provenance.command_line)[2:3], run.path.parent)
         return commands - {""}, files
 
     @staticmethod
