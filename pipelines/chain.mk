@@ -134,7 +134,8 @@ $(OUT)/run.h5 $(OUT)/run.json &: $(OUT)/digests/solve $(OUT)/relaxed.h5 $(whole_
 
 # ---- measures --------------------------------------------------------------------------------------------------------
 $(OUT)/stress_strain.csv $(OUT)/stress_strain.json &: $(OUT)/digests/stress_strain $(OUT)/run.h5
-	$(BIN)/stress_strain $(OUT)/run.h5 $(OUT)/stress_strain.csv --json $(OUT)/stress_strain.json
+	$(BIN)/stress_strain $(OUT)/run.h5 $(OUT)/stress_strain.csv $$($(COMMON)flow_strain.py $(OUT)/run.h5) \
+	    --json $(OUT)/stress_strain.json
 
 $(OUT)/shape_factor.csv $(OUT)/shape_factor_means.csv $(OUT)/shape_factor.json &: $(OUT)/digests/shape_factor \
     $(OUT)/run.h5 $(OUT)/options/shape_factor $(OUT)/shape.parameters
@@ -157,13 +158,14 @@ $(OUT)/mesh_%.stl $(OUT)/mesh_%.json &: $(OUT)/digests/mesh_recon $(OUT)/run.h5 
 	    --json $(OUT)/mesh_$*.json
 
 picture_state := $(addprefix $(OUT)/,digests/render run.h5 options/render options/press options/inclusions pictures.parameters)
-$(OUT)/picture_cut_%.png $(OUT)/picture_cut_%.json &: $(picture_state)
-	$(BIN)/render $(OUT)/run.h5 $(OUT)/picture_cut_$*.png --frame $(frame_$*) --cut y $(call options,press) \
-	    $(call options,render) $(pictures.parameters) $(threads) --json $(OUT)/picture_cut_$*.json
+both_frames := --frames first,last --names before,after
+$(OUT)/picture_cut_before.png $(OUT)/picture_cut_after.png $(OUT)/picture_cut.json &: $(picture_state)
+	$(BIN)/render $(OUT)/run.h5 $(OUT)/picture_cut.png $(both_frames) --cut auto $(call options,press) \
+	    $(call options,render) $(pictures.parameters) $(threads) --json $(OUT)/picture_cut.json
 
-$(OUT)/picture_inclusions_%.png $(OUT)/picture_inclusions_%.json &: $(picture_state)
-	$(BIN)/render $(OUT)/run.h5 $(OUT)/picture_inclusions_$*.png --frame $(frame_$*) $(call options,inclusions) \
-	    $(call options,render) $(pictures.parameters) $(threads) --json $(OUT)/picture_inclusions_$*.json
+$(OUT)/picture_inclusions_before.png $(OUT)/picture_inclusions_after.png $(OUT)/picture_inclusions.json &: $(picture_state)
+	$(BIN)/render $(OUT)/run.h5 $(OUT)/picture_inclusions.png $(both_frames) $(call options,inclusions) \
+	    $(call options,render) $(pictures.parameters) $(threads) --json $(OUT)/picture_inclusions.json
 
 $(OUT)/picture_mesh_%.png $(OUT)/picture_mesh_%.json &: $(OUT)/digests/render $(OUT)/mesh_%.stl $(OUT)/run.h5 \
     $(OUT)/pictures.parameters
@@ -172,7 +174,7 @@ $(OUT)/picture_mesh_%.png $(OUT)/picture_mesh_%.json &: $(OUT)/digests/render $(
 
 # ---- the report ------------------------------------------------------------------------------------------------------
 STEPS := $(if $(VOLUME),,phantom) image brick sample relaxed run stress_strain shape_factor volume_change equilibrium \
-    mesh_before mesh_after $(foreach what,cut inclusions mesh,picture_$(what)_before picture_$(what)_after)
+    mesh_before mesh_after picture_cut picture_inclusions picture_mesh_before picture_mesh_after
 PICTURES := $(foreach what,cut inclusions mesh,$(OUT)/picture_$(what)_before.png $(OUT)/picture_$(what)_after.png)
 TABLES := $(foreach table,stress_strain shape_factor shape_factor_means volume_change equilibrium,$(OUT)/$(table).csv)
 summaries := $(patsubst $(OUT)/brick.json,$(BRICK:.h5=.json),$(STEPS:%=$(OUT)/%.json))

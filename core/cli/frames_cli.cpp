@@ -12,6 +12,15 @@ namespace tomodem::cli {
 std::vector<std::size_t> chosen_frames(std::string_view choice, std::size_t frame_count) {
     if (choice == "first") return {0};
     if (choice == "last") return {frame_count - 1};
+    if (const std::size_t comma = choice.find(','); comma != std::string_view::npos) {
+        std::vector<std::size_t> frames = chosen_frames(choice.substr(0, comma), frame_count);
+        const std::vector<std::size_t> others = chosen_frames(choice.substr(comma + 1), frame_count);
+        if (frames.back() >= others.front())
+            throw WrongUsage(fmt::format("--frames: {} comes before {}; give each frame once, in increasing order",
+                                         frames.back(), others.front()));
+        frames.insert(frames.end(), others.begin(), others.end());
+        return frames;
+    }
     if (choice == "all") {
         std::vector<std::size_t> frames(frame_count);
         std::iota(frames.begin(), frames.end(), 0);

@@ -5,8 +5,9 @@
 
 namespace tomodem::cli {
 
-/// The frames that --frames names: "all", "first", "last" or a number from 0.
-/// @throws WrongUsage if it is none of these words; InvalidInput if there is no such frame
+/// The frames that --frames names: "all", "first", "last", a number from 0, or several of these in increasing order
+/// with commas between them, as "0,5,last".
+/// @throws WrongUsage if it is none of these words, or they are not in order; InvalidInput if there is no such frame
 std::vector<std::size_t> chosen_frames(std::string_view choice, std::size_t frame_count);
 
 }  // namespace tomodem::cli

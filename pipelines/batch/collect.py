@@ -35,6 +35,7 @@ FIGURES = (
 COSTS = ("wall [s]", "cpu [s]", "peak_memory [MiB]")
 # In the page, before and behind the first result of each measure: column, heading, digits.
 SHOWN_OF_RUN = (("particles", "particles", 9), ("final_strain", "strain", 3), ("final_stress [MPa]", "stress at the end [MPa]", 4))
+FLOW = ("flow_stress [MPa]", "flow_abs_strain_from", "flow_abs_strain_to")
 SHOWN_COSTS = (("wall [s]", "time [s]", 3), ("cpu [s]", "CPU time [s]", 3), ("peak_memory [MiB]", "memory [MiB]", 4))
 
 
@@ -137,17 +138,28 @@ def has_report(folder):
     return report.is_file() and run.is_file() and report.stat().st_mtime >= run.stat().st_mtime
 
 
+def flow_strain(row):
+    """Where the flow stress of a stack was measured; empty if it has none."""
+    column, *ends = FLOW
+    return "at |strain| " + " to ".join(f"{row[end]:.3g}" for end in ends) if {column, *ends} <= row.keys() else ""
+
+
 def page_text(rows, out, results):
     first = {measure: (column, heading, 4) for measure, _, column, heading, _ in reversed(results)}
     measured = [first[measure] for measure in dict.fromkeys(one[0] for one in results)]
     shown = [*SHOWN_OF_RUN, *(one for one in measured if any(one[0] in row for row in rows)), *SHOWN_COSTS]
+    # The strain of the flow stress stands in the head if it is that of all stacks.
+    strains = {flow_strain(row) for row in rows} - {""}
+    in_head = strains.pop() if len(strains) == 1 else ""
+    shown = [(column, f"{heading} {in_head}".strip() if column == FLOW[0] else heading, digits) for column, heading, digits in shown]
     stacks = []
     for row in rows:
         name = row["stack"]
         stacks.append({
             "name": name, "report": has_report(out / name), "counted": row["status"] in ("done", "unfinished"),
             "said": f"{row['status']}{': ' * bool(row['error'])}{row['error']}", "log": (out / name / "log.txt").is_file(),
-            "figures": [text_of(row[column], digits).replace("-", "−") if column in row else "" for column, _, digits in shown],
+            "figures": [{"text": text_of(row[column], digits).replace("-", "−") if column in row else "",
+                         "where": flow_strain(row) if column == FLOW[0] and not in_head else ""} for column, _, digits in shown],
             "picture": row["status"] == "done" and (out / name / "picture_cut_after.png").is_file() and has_report(out / name),
         })
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(pathlib.Path(__file__).resolve().parent), autoescape=True,

@@ -1,14 +1,20 @@
 // render: draw a sample, a run or a mesh as PNG pictures or as a movie; no screen is needed.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <numeric>
 #include <optional>
+#include <set>
+#include <sstream>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/cli/volume_cli.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/packing/packing_file.hpp"
@@ -22,8 +28,10 @@ namespace {
 struct Request {
     std::filesystem::path input, picture, view_of;
     std::int64_t frame = -1, only_species = 0, turntable = 0;
-    double slice_place = 0.5, opacity = 0.18, pictures_per_second = 12.0, probe_radius = 0.0, lid_radius = 0.0;
-    std::string frames = "last", colour = "phase", range, cut = "none", slice = "none", arrows, press = "none", labels;
+    double cut_place = 0.5, slice_place = 0.5, opacity = 0.18, pictures_per_second = 12.0, probe_radius = 0.0,
+           lid_radius = 0.0;
+    std::string frames = "last", colour = "phase", range, cut = "none", slice = "none", arrows, press = "none", labels,
+                names;
     std::string size = "1200x900", background = "white";
     bool objects = false, pores = false, no_outline = false;
 };
@@ -38,7 +46,11 @@ cli::Usage usage(Request& request) {
                 {".png", ".mp4"})
         .option("--frame", request.frame, cli::Unit::none, {.low = -1},
                 "Number of the frame to draw, counted from 0; -1 is the last frame.")
-        .choice("--frames", request.frames, {"first", "last", "all"}, "Frames to draw. A movie has all of them.")
+        .option("--frames", request.frames,
+                "Frames to draw: all, first, last, a number from 0, or several as 0,5,last. A movie has all of them.")
+        .option("--names", request.names,
+                "Call the pictures of --frames NAME_before.png and so on instead of NAME_0000.png: one name for each "
+                "frame, as before,after.")
         .option("--turntable", request.turntable, cli::Unit::none, {.low = 2},
                 "Draw one frame in this number of pictures, from all sides.")
         .option("--pictures-per-second", request.pictures_per_second, cli::Unit::none, cli::positive,
@@ -51,8 +63,13 @@ cli::Usage usage(Request& request) {
                 "holds 98 % of the values of every frame.")
         .option("--only-species", request.only_species, cli::Unit::none, cli::any,
                 "Show only the phase of this label. When left out, all phases are shown.")
-        .choice("--cut", request.cut, {"x", "y", "none"},
-                "Cut the sample in half across this axis and show its inside.")
+        .choice(
+            "--cut", request.cut, {"x", "y", "auto", "none"},
+            "Cut the sample open across this axis and show its inside; auto cuts where the largest area of objects, "
+            "minor phases and pores of the first frame is.")
+        .option("--cut-place", request.cut_place, cli::Unit::fraction, share,
+                "Place of the cut in the first frame, from the lower (0) to the upper end (1) of the sample; in other "
+                "frames the cut goes through the same material.")
         .choice("--slice", request.slice, {"x", "y", "z", "none"},
                 "Show only a layer across this axis, one particle diameter thick, in front view.")
         .option("--slice-place", request.slice_place, cli::Unit::fraction, share,
@@ -88,6 +105,7 @@ cli::Usage usage(Request& request) {
         .step(cli::Step::picture)
         .threads()
         .example("render run.h5 before.png --frame 0 --cut y --press z")
+        .example("render run.h5 inside.png --cut auto")
         .example("render run.h5 inclusions.png --only-species 2 --color object")
         .example("render run.h5 stress.mp4 --color stress_zz --cut y")
         .example("render run.h5 pores.png --pores --objects")
@@ -125,8 +143,13 @@ std::optional<int> parse_axis(const std::string& axis) {
     return axis == "none" ? std::nullopt : std::optional<int>(axis[0] - 'x');
 }
 
-Cut cut_across(const std::string& axis) {
-    return axis == "x" ? Cut::x : axis == "y" ? Cut::y : Cut::none;
+CutPlane cut_plane(const Request& request, const Packing& packing) {
+    if (request.cut == "none") return {};
+    if (request.cut == "auto") return best_cut(packing);
+    CutPlane plane{.cut = request.cut == "x" ? Cut::x : Cut::y};
+    const Box box = bounds(packing.position, packing.seed_radius);
+    plane.place = box.origin[plane.axis()] + request.cut_place * box.edges[plane.axis()];
+    return plane;
 }
 
 std::map<std::int32_t, std::string> phase_names(const Request& request, const Provenance& provenance) {
@@ -145,6 +168,8 @@ void check_combination(const Request& request, cli::Tool& tool) {
         throw WrongUsage("--range goes with --color and a quantity of the file, such as stress_zz");
     if (!request.arrows.empty() && request.slice == "none")
         throw WrongUsage("--arrows are drawn in a slice; give --slice x, y or z");
+    if (tool.given("--cut-place") && request.cut != "x" && request.cut != "y")
+        throw WrongUsage("--cut-place goes with --cut x or y");
     if (tool.given("--slice-place") && request.slice == "none")
         throw WrongUsage("--slice-place goes with --slice x, y or z");
     for (const char* flag : {"--color", "--only-species"})
@@ -154,6 +179,8 @@ void check_combination(const Request& request, cli::Tool& tool) {
         if (!request.objects && !request.pores && tool.given(flag))
             throw WrongUsage(fmt::format("{} goes with --objects or --pores", flag));
     if (!request.pores && tool.given("--lid-radius")) throw WrongUsage("--lid-radius goes with --pores");
+    if (tool.given("--names") && (!tool.given("--frames") || request.picture.extension() == ".mp4"))
+        throw WrongUsage("--names goes with --frames and pictures");
     if (request.picture.extension() != ".mp4" && tool.given("--pictures-per-second"))
         throw WrongUsage("--pictures-per-second needs a movie, whose name ends in .mp4");
 }
@@ -163,7 +190,7 @@ SubjectOptions subject_options(const Request& request, const RunReader& run, cli
     options.colour = request.colour;
     options.range = parse_range(request.range);
     if (tool.given("--only-species")) options.only_species = static_cast<std::int32_t>(request.only_species);
-    options.cut = cut_across(request.cut);
+    options.cut = cut_plane(request, run.packing());
     options.slice = parse_axis(request.slice);
     options.slice_place = request.slice_place;
     options.arrows = request.arrows;
@@ -181,10 +208,10 @@ SubjectOptions subject_options(const Request& request, const RunReader& run, cli
 /// The size, view and outline that the user asked for.
 class Framing {
  public:
-    explicit Framing(const Request& request) : request_(request), size_(parse_size(request.size)) {
+    Framing(const Request& request, Cut cut) : request_(request), size_(parse_size(request.size)) {
         if (request.view_of.empty()) return;
         const RunReader other(request.view_of);
-        view_ = view_of(bounds_of_run(other), cut_across(request.cut), parse_axis(request.slice));
+        view_ = view_of(bounds_of_run(other), cut, parse_axis(request.slice));
         if (!request.no_outline) outline_ = bounds(other.packing().position, other.packing().seed_radius);
     }
 
@@ -205,8 +232,33 @@ class Framing {
     std::optional<Box> outline_;
 };
 
-Series series(const Request& request, const std::vector<std::size_t>& numbers) {
-    return {.output = request.picture, .numbers = numbers, .pictures_per_second = request.pictures_per_second};
+Series series(const Request& request, std::vector<std::string> endings) {
+    return {
+        .output = request.picture, .endings = std::move(endings), .pictures_per_second = request.pictures_per_second};
+}
+
+std::vector<std::string> numbered(const std::vector<std::size_t>& numbers) {
+    std::vector<std::string> endings;
+    for (const std::size_t number : numbers) endings.push_back(fmt::format("{:04}", number));
+    return endings;
+}
+
+/// @throws WrongUsage unless there is a name for each frame, of letters, digits and _ . -
+std::vector<std::string> parse_names(const std::string& text, std::size_t frames) {
+    std::vector<std::string> names;
+    std::istringstream words(text);
+    for (std::string word; std::getline(words, word, ',');) names.push_back(word);
+    const auto fits = [](const std::string& word) {
+        return !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char letter) {
+            return std::isalnum(letter) || letter == '_' || letter == '.' || letter == '-';
+        });
+    };
+    if (!std::all_of(names.begin(), names.end(), fits))
+        throw WrongUsage(
+            fmt::format("--names '{}': give names of letters, digits, '_', '.' and '-', as before,after", text));
+    if (names.size() != frames || std::set(names.begin(), names.end()).size() != frames)
+        throw WrongUsage(fmt::format("--names '{}': give one name for each of the {} frames, each once", text, frames));
+    return names;
 }
 
 std::vector<std::size_t> counted(std::size_t count) {
@@ -220,18 +272,25 @@ void draw_run(const Request& request, cli::Tool& tool) {
     const auto turns = static_cast<std::size_t>(request.turntable);
     const bool all = request.frames == "all" || (request.picture.extension() == ".mp4" && turns == 0);
     std::vector<std::size_t> frames = counted(run.frame_count());
-    if (!all) {
+    if (!all && !tool.given("--frame")) frames = cli::chosen_frames(request.frames, run.frame_count());
+    if (!all && tool.given("--frame")) {
         const auto last = static_cast<std::int64_t>(run.frame_count()) - 1;
-        frames = {static_cast<std::size_t>(request.frames == "first" ? 0 : request.frame < 0 ? last : request.frame)};
+        frames = {static_cast<std::size_t>(request.frame < 0 ? last : request.frame)};
         run.frame(frames.front());  // is it there?
     }
-    const Subject subject(run, subject_options(request, run, tool), frames);
-    const Framing framing(request);
+    std::vector<std::string> endings;
+    if (turns > 0)
+        endings = numbered(counted(turns));
+    else if (!request.names.empty())
+        endings = parse_names(request.names, frames.size());
+    else if (all || frames.size() > 1)
+        endings = numbered(frames);
+    const SubjectOptions options = subject_options(request, run, tool);
+    const Subject subject(run, options, frames);
+    const Framing framing(request, options.cut.cut);
     std::size_t shown = 0;
     draw_series(
-        series(request, turns > 0 ? counted(turns)
-                        : all     ? frames
-                                  : std::vector<std::size_t>{}),
+        series(request, std::move(endings)),
         [&](std::size_t k) {
             Picture picture = subject.picture(turns > 0 ? frames.front() : frames[k]);
             shown = picture.centres.size();
@@ -241,6 +300,8 @@ void draw_run(const Request& request, cli::Tool& tool) {
         tool.threads(), tool);
     tool.report("particles", static_cast<std::int64_t>(run.packing().size()));
     if (shown > 0) tool.report("particles_shown", static_cast<std::int64_t>(shown));
+    if (options.cut.cut != Cut::none)
+        tool.report("cut", fmt::format("{} = {}", "xy"[options.cut.axis()], value_text(options.cut.place, "mm")));
     if (const auto& range = subject.range()) {
         tool.report("color_low", range->low, subject.unit());
         tool.report("color_high", range->high, subject.unit());
@@ -249,14 +310,14 @@ void draw_run(const Request& request, cli::Tool& tool) {
 }
 
 void draw_mesh(const Request& request, cli::Tool& tool) {
-    for (const char* flag : {"--frame", "--frames", "--color", "--range", "--only-species", "--cut", "--slice",
-                             "--arrows", "--objects", "--pores", "--press", "--labels"})
+    for (const char* flag : {"--frame", "--frames", "--names", "--color", "--range", "--only-species", "--cut",
+                             "--slice", "--arrows", "--objects", "--pores", "--press", "--labels"})
         if (tool.given(flag)) throw WrongUsage(fmt::format("{} does not go with a mesh", flag));
     const TriangleMesh mesh = read_mesh(request.input);
-    const Framing framing(request);
+    const Framing framing(request, Cut::none);
     const auto turns = static_cast<std::size_t>(request.turntable);
     draw_series(
-        series(request, counted(turns)),
+        series(request, numbered(counted(turns))),
         [&](std::size_t k) {
             Picture picture;
             picture.surfaces.push_back({mesh, std::vector<Rgb>(mesh.vertices.size(), mesh_colour), 1.0});

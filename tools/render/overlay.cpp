@@ -127,8 +127,8 @@ std::string tick_text(double value, double low, double high) {
 
 /// At the upper right, as wide as a third of the picture.
 void colour_bar(const ColourBar& bar, const Picture& picture, double unit, Overlay& overlay) {
-    const double width = 0.3 * picture.width, height = 16 * unit, text_size = 19 * unit;
-    const double left = picture.width - 46 * unit - width, bottom = picture.height - 62 * unit;
+    const double width = 0.3 * picture.width, height = 14 * unit, text_size = 19 * unit;
+    const double left = picture.width - 46 * unit - width, bottom = picture.height - 48 * unit;
     constexpr int steps = 128;
     for (int k = 0; k < steps; ++k)
         overlay.rectangle(left + width * k / steps, bottom, width / steps + 0.5, height,
@@ -155,18 +155,23 @@ void colour_bar(const ColourBar& bar, const Picture& picture, double unit, Overl
 
 void add_overlay(const Picture& picture, const Projection& projection, int scale, vtkRenderer* renderer) {
     Overlay overlay(renderer, scale);
-    const double unit = std::min(picture.width / 1200.0, picture.height / 900.0);
-    const double margin = 28 * unit, text_size = 21 * unit;
+    // Letters of a thirty-ninth of the picture's width: readable where two pictures stand side by side on a page.
+    const double unit = 1.45 * std::min(picture.width / 1200.0, picture.height / 900.0);
+    const double margin = 20 * unit, text_size = 21 * unit;
 
-    double x = margin;
-    const double top = picture.height - margin - 8 * unit;
+    double x = margin, top = picture.height - margin - 8 * unit;
     for (const auto& entry : picture.legend) {
+        const double width = 27 * unit + 0.52 * text_size * static_cast<double>(entry.text.size());
+        if (x > margin && x + width > picture.width - margin) {
+            x = margin;
+            top -= 30 * unit;
+        }
         overlay.disc(x + 9 * unit, top, 9 * unit, entry.colour);
         overlay.text(x + 27 * unit, top, text_size, entry.text, Overlay::Align::left);
-        x += (27 + 30) * unit + 0.52 * text_size * static_cast<double>(entry.text.size());
+        x += width + 30 * unit;
     }
     if (!picture.caption.empty())
-        overlay.text(margin, top - (picture.legend.empty() ? 0 : 34 * unit), text_size, picture.caption,
+        overlay.text(margin, top - (picture.legend.empty() ? 0 : 30 * unit), text_size, picture.caption,
                      Overlay::Align::left);
 
     if (picture.bar) colour_bar(*picture.bar, picture, unit, overlay);
@@ -174,7 +179,7 @@ void add_overlay(const Picture& picture, const Projection& projection, int scale
     std::vector<Overlay::Line> arrows;
     for (const Arrow& arrow : picture.arrows)
         arrows.push_back({projection.pixel(arrow.from), projection.pixel(arrow.to)});
-    overlay.arrows(arrows, 0.8 * unit, ink);
+    overlay.arrows(arrows, 0.55 * unit, ink);
 
     const double bar = round_length(0.22 * picture.width * projection.mm_per_pixel);
     const double bar_pixels = bar / projection.mm_per_pixel;

@@ -27,7 +27,7 @@ Projection projection(const Picture& picture) {
         half_width = std::hypot(half.x(), half.y());
         half_height = std::abs(result.up.z()) * half.z() + std::hypot(result.up.x(), result.up.y()) * half_width;
     }
-    const double side = 0.03 * picture.width, top = 0.09 * picture.height, bottom = 0.11 * picture.height;
+    const double side = 0.03 * picture.width, top = 0.13 * picture.height, bottom = 0.13 * picture.height;
     result.mm_per_pixel =
         std::max(2 * half_width / (picture.width - 2 * side), 2 * half_height / (picture.height - top - bottom));
     result.focal_point = centre + result.up * (top - bottom) / 2 * result.mm_per_pixel;

@@ -12,7 +12,7 @@ namespace tomodem::render {
 
 void draw_series(const Series& series, const std::function<Picture(std::size_t)>& picture, int threads,
                  Reporter& reporter) {
-    const std::size_t count = series.numbers.empty() ? 1 : series.numbers.size();
+    const std::size_t count = series.endings.empty() ? 1 : series.endings.size();
     const bool movie_wanted = series.output.extension() == ".mp4";
     const auto progress = reporter.progress("drawing", static_cast<double>(count));
     std::optional<Studio> studio;
@@ -24,11 +24,11 @@ void draw_series(const Series& series, const std::function<Picture(std::size_t)>
         const Image image = studio->draw(next);
         if (movie)
             movie->add(image);
-        else if (series.numbers.empty())
+        else if (series.endings.empty())
             write_png(image, series.output);
         else
             write_png(image, series.output.parent_path() /
-                                 fmt::format("{}_{:04}.png", series.output.stem().string(), series.numbers[k]));
+                                 fmt::format("{}_{}.png", series.output.stem().string(), series.endings[k]));
         progress->update(static_cast<double>(k + 1));
     }
     if (movie) movie->commit();

@@ -22,13 +22,17 @@ std::string strain_text(double strain) {
 }
 
 /// Slabs that touch the outermost particles, cut like the sample.
-std::vector<Box> press_planes(const Box& sample, int axis, Cut cut) {
+/// @param place  of the cut now [mm]
+std::vector<Box> press_planes(const Box& sample, int axis, Cut cut, double place) {
     Box lower = sample;
     const double thickness = 0.01 * sample.edges.maxCoeff();
     lower.origin -= 0.05 * sample.edges;
     lower.edges *= 1.1;
-    if (cut == Cut::x && axis != 0) lower.edges.x() /= 2;
-    if (cut == Cut::y && axis != 1) lower.origin.y() += lower.edges.y() /= 2;
+    if (cut == Cut::x && axis != 0) lower.edges.x() = place - lower.origin.x();
+    if (cut == Cut::y && axis != 1) {
+        lower.edges.y() -= place - lower.origin.y();
+        lower.origin.y() = place;
+    }
     lower.edges[axis] = thickness;
     lower.origin[axis] = sample.origin[axis] - thickness;
     Box upper = lower;
@@ -54,6 +58,33 @@ Surface coloured(const Reconstruction& bodies, const std::vector<Rgb>& of_triang
 
 Surface coloured(const Reconstruction& bodies, Rgb colour, double opacity) {
     return coloured(bodies, std::vector<Rgb>(bodies.mesh.triangles.size(), colour), opacity);
+}
+
+struct Extent {
+    double mean = 0.0, deviation = 0.0;
+};
+
+Extent extent_along(const std::vector<Vec3>& positions, int axis) {
+    double mean = 0.0, square = 0.0;
+    for (const Vec3& position : positions) mean += position[axis];
+    mean /= static_cast<double>(positions.size());
+    for (const Vec3& position : positions) square += (position[axis] - mean) * (position[axis] - mean);
+    return {mean, std::sqrt(square / static_cast<double>(positions.size()))};
+}
+
+/// Darker the deeper a sphere lies below the faces of the sample and below the cut, as a hole is darker than its rim:
+/// there are no shadows, and a pore that is cut open would look as the matter around it.
+void darken_what_is_deep(const Box& sample, int axis, double place, double diameter, Picture& picture) {
+    constexpr double seen_anyway = 1.0, darkest = 0.35, a_diameter = 0.25;
+    for (std::size_t k = 0; k < picture.centres.size(); ++k) {
+        const Vec3 below = picture.centres[k] - sample.origin;
+        const double depth =
+            std::min({below.minCoeff(), (sample.edges - below).minCoeff(), std::abs(picture.centres[k][axis] - place)});
+        const double light = std::clamp(1.0 - a_diameter * (depth / diameter - seen_anyway), darkest, 1.0);
+        Rgb& colour = picture.colours[k];
+        for (std::uint8_t* part : {&colour.red, &colour.green, &colour.blue})
+            *part = static_cast<std::uint8_t>(std::lround(light * *part));
+    }
 }
 
 std::string counted(std::size_t count, const std::string& thing) {
@@ -151,9 +182,18 @@ void Subject::find_arrow_length(const std::vector<std::size_t>& frames) {
     arrow_key_ = round_below(longest);
 }
 
+/// The plane moves and stretches with the mean and the spread of all particles, so that it goes through the same
+/// material in every frame of a uniform deformation.
+double Subject::place_of_cut(const std::vector<Vec3>& positions) const {
+    const int axis = options_.cut.axis();
+    const Extent first = extent_along(run_.packing().position, axis), now = extent_along(positions, axis);
+    const double stretch = first.deviation > 0 ? now.deviation / first.deviation : 1.0;
+    return now.mean + stretch * (options_.cut.place - first.mean);
+}
+
 std::vector<std::size_t> Subject::particles_shown(const std::vector<Vec3>& positions) const {
     const Packing& packing = run_.packing();
-    const Vec3 middle = first_.origin + first_.edges / 2;
+    const double cut_place = place_of_cut(positions);
     double place = 0.0;
     if (options_.slice) {
         const Box now = bounds(positions, packing.seed_radius);
@@ -162,8 +202,8 @@ std::vector<std::size_t> Subject::particles_shown(const std::vector<Vec3>& posit
     std::vector<std::size_t> shown;
     for (std::size_t k = 0; k < packing.size(); ++k) {
         if (options_.only_species && packing.species[k] != *options_.only_species) continue;
-        if (options_.cut == Cut::x && positions[k].x() > middle.x()) continue;
-        if (options_.cut == Cut::y && positions[k].y() < middle.y()) continue;
+        if (options_.cut.cut == Cut::x && positions[k].x() > cut_place) continue;
+        if (options_.cut.cut == Cut::y && positions[k].y() < cut_place) continue;
         if (options_.slice && std::abs(positions[k][*options_.slice] - place) > packing.seed_radius) continue;
         shown.push_back(k);
     }
@@ -206,6 +246,9 @@ void Subject::add_particles(std::size_t frame, const std::vector<Vec3>& position
         picture.centres.push_back(positions[k]);
         picture.colours.push_back(colours[k]);
     }
+    if (options_.cut.cut != Cut::none && !quantity_)
+        darken_what_is_deep(bounds(positions, picture.radius), options_.cut.axis(), place_of_cut(positions),
+                            2 * picture.radius, picture);
     add_legend(picture, shown);
     if (options_.arrows.empty()) return;
     const std::vector<Vec3> all = vectors(run_, options_.arrows, frame);
@@ -249,14 +292,15 @@ void Subject::add_surfaces(const std::vector<Vec3>& positions, Picture& picture)
 Picture Subject::picture(std::size_t frame) const {
     const Frame now = run_.frame(frame);
     Picture picture;
-    picture.view = view_of(all_, options_.cut, options_.slice);
+    picture.view = view_of(all_, options_.cut.cut, options_.slice);
     if (options_.objects || options_.pores)
         add_surfaces(now.position, picture);
     else
         add_particles(frame, now.position, picture);
     if (options_.outline) picture.outline = first_;
     if (options_.press)
-        picture.plates = press_planes(bounds(now.position, run_.packing().seed_radius), *options_.press, options_.cut);
+        picture.plates = press_planes(bounds(now.position, run_.packing().seed_radius), *options_.press,
+                                      options_.cut.cut, place_of_cut(now.position));
     if (const auto strain = run_.observables().find("strain"); strain != run_.observables().end()) {
         if (!picture.caption.empty()) picture.caption += ", ";
         picture.caption += strain_text(value_at(strain->second, now.time));

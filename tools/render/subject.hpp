@@ -9,19 +9,18 @@
 
 #include "core/packing/packing_file.hpp"
 #include "tools/render/appearance.hpp"
+#include "tools/render/cut.hpp"
 #include "tools/render/picture.hpp"
 #include "tools/render/quantity.hpp"
 
 /// What a picture shows of a run, and the direction of view.
 namespace tomodem::render {
 
-enum class Cut { none, x, y };
-
 struct SubjectOptions {
     std::string colour = "phase";                         ///< phase, object, none, or the name of a Quantity
     std::optional<std::pair<double, double>> range = {};  ///< of that quantity, in the file's unit
     std::optional<std::int32_t> only_species = {};        ///< label of the only phase shown
-    Cut cut = Cut::none;                                  ///< the half towards the camera is removed
+    CutPlane cut = {};                                    ///< goes with the material
     std::optional<int> slice = {};                        ///< axis across which a layer of one diameter is shown alone
     double slice_place = 0.5;                             ///< from the lower to the upper end of the sample
     std::string arrows = {};                              ///< vector shown in the slice
@@ -62,6 +61,7 @@ class Subject {
  private:
     void find_range(const std::vector<std::size_t>& frames);
     void find_arrow_length(const std::vector<std::size_t>& frames);
+    double place_of_cut(const std::vector<Vec3>& positions) const;
     std::vector<std::size_t> particles_shown(const std::vector<Vec3>& positions) const;
     std::vector<Rgb> colours_of_particles(std::size_t frame) const;
     void add_particles(std::size_t frame, const std::vector<Vec3>& positions, Picture& picture) const;

@@ -17,6 +17,12 @@ def size_text(text):
     return text
 
 
+def frames_number(text):
+    if not text.isdigit() or not 2 <= int(text) <= 61:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 2 and at most 61")
+    return int(text)
+
+
 USAGE = Usage(
     "report",
     "One self-contained page about a run: curves, tables, pictures, topology, cost and a 3-D view that can be turned.",
@@ -25,8 +31,14 @@ USAGE = Usage(
      Argument("REPORT", "output", "Page to write.", formats=(".html", ".htm")),
      Argument("--with", "text", "Use the measures, meshes and pictures that are in this folder, and keep there those that "
                                 "have to be made. Without the option they are made for the page and not kept.", "FOLDER"),
+     Argument("--title", "text", "Name of the sample, as the page's title. When left out, it is that of the image that the run was made "
+                                 "from, or of the run.", "TEXT", str),
+     Argument("--quick", "flag", "Leave out all that takes long: make the page of the curves, the shape factors and two pictures. "
+                                 "What is in the folder of --with is shown nevertheless."),
+     Argument("--frames", "integer", "Frames of the 3-D view and of the measures that look at single frames, at most: evenly spread, the "
+                                     "first and the last among them. The page says which.", "INTEGER", frames_number, 11),
      Argument("--size", "text", "Width and height of the pictures in pixels.", "TEXT", size_text, "960x720")],
-    ["report run.h5 report.html", "report run.h5 report.html --with out/run"],
+    ["report run.h5 report.html", "report run.h5 report.html --with out/run", "report run.h5 report.html --quick --title 'Casting 7'"],
 )
 
 
@@ -83,25 +95,39 @@ def make_page(request, run, folder, stack):
     from page import Page
 
     tools = pieces.described_tools(tools_folder())
-    frames = view_meshes.chosen_frames(run.frame_count)
-    surfaces = pieces.surfaces(run, frames)
-    measures = pieces.measures(run, tools)
-    wanted = [*measures, *pieces.pictures(run, request["--size"]), *surfaces]
+    frames = view_meshes.chosen_frames(run.frame_count, request["--frames"])
+    quick = request["--quick"]
+    measures, left_out = pieces.measures(run, tools, frames, quick)
+    pictures, surfaces = pieces.pictures(run, request["--size"], quick), [] if quick else pieces.surfaces(run, frames)
     shop = stack.enter_context(pieces.Workshop(run, folder, tools_folder(), tools, request))
-    progress = stack.enter_context(Progress(request, len(wanted) + 1))
+    if quick and request["--with"]:
+        # What is there costs nothing.
+        all_measures, left_out = pieces.measures(run, tools, frames, quick=False)
+        left_out |= {one.name: "left out by --quick" for one in all_measures if one not in measures and not shop.there(one)}
+        measures = [one for one in all_measures if one.name not in left_out]
+        pictures = [one for one in pieces.pictures(run, request["--size"], quick=False) if one in pictures or shop.there(one)]
+        surfaces = [one for one in pieces.surfaces(run, frames) if shop.there(one)]
+    wanted = [*measures, *pictures, *surfaces]
+    progress = stack.enter_context(Progress(request, len(wanted) + 2))
     shop.make_all(wanted, progress)
 
-    packed, bounds, triangles = view_meshes.pack_layers(layers(run, shop, frames), frames, request.threads)
-    steps = Steps(run, [folder, run.path.parent])
+    progress.begin("3-D view")
+    view = view_meshes.View(layers(run, shop, frames), frames, request.threads)
+    progress("3-D view")
+    progress.begin("page")
     displays = {piece.name: tools[piece.tool]["display"] for piece in measures if shop.has(piece.name)}
-    page = Page(run, shop, steps, displays, {"frames": frames, "layers": packed, "bounds": bounds, "triangles": triangles,
-                                             "costs": cost_of_view(shop, surfaces)})
+    left_out |= {name: reason for name, reason in {**shop.not_possible, **shop.failed}.items() if name in tools}
+    page = Page(run, shop, Steps(run, [folder, run.path.parent]), displays,
+                {name: tools[name]["display"]["heading"] for name in left_out if name in tools}, left_out,
+                {"frames": view.frames, "layers": view.layers, "bounds": view.bounds, "triangles": view.triangles, "notes": view.notes,
+                 "left_out": "left out by --quick" if quick else "", "costs": cost_of_view(shop, surfaces)},
+                request["--title"])
     text = page.text()
     write_atomically(request["REPORT"], text)
 
     request.report("frames", run.frame_count)
-    request.report("frames_of_view", len(frames))
-    request.report("triangles_of_view", triangles)
+    request.report("frames_of_view", len(view.frames))
+    request.report("triangles_of_view", view.triangles)
     request.report("pieces_made", len(shop.made))
     request.report("pieces_reused", len(shop.reused))
     request.report("events", len(page.events))

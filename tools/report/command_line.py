@@ -10,8 +10,10 @@ import os
 import pathlib
 import resource
 import shlex
+import shutil
 import signal
 import sys
+import threading
 import time
 import traceback
 
@@ -29,7 +31,7 @@ class Argument:
     """A positional argument (NAME) or an option (--name VALUE), as core/cli describes it."""
 
     name: str
-    kind: str  # input, output, integer, text
+    kind: str  # input, output, integer, text, flag
     help: str
     value: str = ""  # how --help calls what an option takes
     parse: object = pathlib.Path
@@ -46,7 +48,7 @@ class Argument:
         return self.help + (f" [{'; '.join(remarks)}]" if remarks else "")
 
     def shown(self):
-        return self.name if self.positional else f"{self.name} {self.value}"
+        return f"{self.name} {self.value}".strip() if not self.positional else self.name
 
 
 @dataclasses.dataclass
@@ -91,6 +93,9 @@ class Usage:
     def parser(self, version):
         parser = Parser(prog=self.tool, add_help=False, allow_abbrev=False)
         for one in self.arguments:
+            if one.kind == "flag":
+                parser.add_argument(one.name, dest=one.name, action="store_true")
+                continue
             place = {} if one.positional else {"dest": one.name, "metavar": one.value}
             parser.add_argument(one.name, type=one.parse, default=one.default, **place)
         parser.add_argument("--threads", dest="--threads", metavar="INTEGER", type=threads_number)
@@ -144,8 +149,13 @@ class Request:
         of_kind = {kind: [one.name for one in self.usage.positionals() if one.kind == kind] for kind in ("input", "output")}
         inputs = [(name, self[name]) for name in of_kind["input"]]
         for name, path in inputs:
-            if not path.exists():
-                raise InvalidInput(f"cannot read {name} '{path}': there is no such file or folder")
+            if path.exists():
+                continue
+            # What solve keeps of a run until it is complete.
+            if (partial := path.with_name(f"{path.name}.partial")).exists():
+                raise InvalidInput(f"cannot read {name} '{path}': this run is unfinished; give '{partial}', which holds what it has "
+                                   "written so far, or let it end (if solve has stopped, repeat its command with --resume)")
+            raise InvalidInput(f"cannot read {name} '{path}': there is no such file or folder")
         for one in self.usage.arguments:
             if one.formats and self[one.name].suffix not in one.formats:
                 raise WrongUsage(f"{one.name} '{self[one.name]}': the name must end in {' or '.join(one.formats)}")
@@ -175,18 +185,33 @@ class Request:
 
 
 class Progress:
-    """A bar on stderr when that is a terminal."""
+    """A bar on stderr when that is a terminal, with what is at work; may be told from several threads."""
 
     def __init__(self, request, total):
         self.shown = sys.stderr.isatty() and not request.quiet
-        self.total, self.done = total, 0
+        self.total, self.done, self.begun = total, 0, time.monotonic()
+        self.at_work, self.lock = [], threading.Lock()
+
+    def begin(self, label):
+        with self.lock:
+            self.at_work.append(label)
+            self.draw()
 
     def __call__(self, label):
-        self.done += 1
-        if self.shown:
-            filled = round(30 * self.done / self.total)
-            bar = "#" * filled + "." * (30 - filled)
-            print(f"\r\033[K[{bar}] {self.done} of {self.total}: {label}", end="", file=sys.stderr, flush=True)
+        with self.lock:
+            self.done += 1
+            if label in self.at_work:
+                self.at_work.remove(label)
+            self.draw()
+
+    def draw(self):
+        if not self.shown:
+            return
+        filled = round(30 * min(1, self.done / self.total))
+        bar = "#" * filled + "." * (30 - filled)
+        words = f"[{bar}] {self.done} of {self.total}, {time.monotonic() - self.begun:.0f} s: {', '.join(self.at_work)}"
+        width = shutil.get_terminal_size().columns - 1
+        print(f"\r\033[K{words[:width]}", end="", file=sys.stderr, flush=True)
 
     def __enter__(self):
         return self

@@ -16,6 +16,10 @@ from command_line import InvalidInput
 from run_facts import Steps, real_paths
 
 
+LONG_MEASURES = 3  # pores, topology, volume_change: each wraps the particles of every frame
+DEFAULT_FLOW_STRAIN = 0.295  # what stress_strain still takes for its default --at 0.3
+
+
 @dataclasses.dataclass(frozen=True)
 class Piece:
     name: str  # of its summary, NAME.json
@@ -23,14 +27,16 @@ class Piece:
     words: tuple  # of the command line, after the run
     files: tuple  # names of what it makes, the output of the command first
     source: str = ""  # another piece's file in the place of the run
-    wide: bool = False  # a measure that works on all threads alone
-    optional: bool = False  # nothing is said where it cannot be made
+    wide: bool = False  # a measure of the whole run, which may take several threads
+    optional: bool = False  # no warning where it cannot be made
+    kept_with: tuple = ()  # words that the command of a kept one must have
+    output: str = ""  # of the command, where it is none of the files
 
 
 class Workshop:
     def __init__(self, run, folder, tools_folder, tools, request):
         self.run, self.folder, self.tools_folder, self.tools, self.request = run, folder, tools_folder, tools, request
-        self.made, self.reused, self.failed = [], [], {}
+        self.made, self.reused, self.failed, self.not_possible = [], [], {}, {}
         self.children, self.lock = set(), threading.Lock()
         (folder / "view").mkdir(parents=True, exist_ok=True)
 
@@ -54,6 +60,8 @@ class Workshop:
         if summary is None or summary["tool"] != piece.tool:
             return False
         words = shlex.split(summary["command_line"])
+        if not set(piece.kept_with) <= set(words):
+            return False
         return os.path.realpath(source) in real_paths(words[1:2], self.run.path.parent)
 
     def executable(self, tool):
@@ -76,7 +84,7 @@ class Workshop:
         words = [str(outputs.get(word, word)) for word in piece.words]
         if self.tools[piece.tool]["threads"]:
             words += ["--threads", str(threads)]
-        command = [self.executable(piece.tool), source, outputs[piece.files[0]], *words, "--quiet",
+        command = [self.executable(piece.tool), source, self.folder / (piece.output or piece.files[0]), *words, "--quiet",
                    "--json", self.folder / f"{piece.name}.json"]
         child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                  text=True, errors="replace")
@@ -87,12 +95,12 @@ class Workshop:
             self.children.discard(child)
         if child.returncode == 0:
             self.made.append(piece.name)
-        elif not piece.optional:
+        else:
             line = complaint.strip().splitlines()[-1:] or [f"{piece.tool}: ended with status {child.returncode}"]
-            self.failed[piece.name] = line[0]
+            (self.not_possible if piece.optional else self.failed)[piece.name] = line[0]
 
     def make_all(self, pieces, progress):
-        """Those for whole runs one after the other on all threads, then the others beside each other.
+        """Beside each other, as many as there are threads, in their order; those of whole runs come first, as they take longest.
 
         A piece that cannot be made is in `failed`, with the tool's own words: the page is made without it.
         """
@@ -108,20 +116,21 @@ class Workshop:
                     raise InvalidInput(f"'{self.tools_folder / 'tools.json'}' does not hold {piece.tool}; build all of tomodem")
                 self.keep_what_is_not_ours(piece)
                 todo.append(piece)
+        # On one thread each, nothing waits for the serial part of another one; many cores are shared by the long ones.
         threads = self.request.threads
-        for piece in [one for one in todo if one.wide]:
-            self.make(piece, threads)
+        of_wide = max(1, threads // LONG_MEASURES)
+
+        def work(piece):
+            progress.begin(piece.name)
+            self.make(piece, of_wide if piece.wide else 1)
             progress(piece.name)
+
+        todo.sort(key=lambda piece: not piece.wide)
         # A piece made of another one waits for it.
-        for layer in (lambda one: not one.source, lambda one: one.source):
+        for layer in (lambda one: not one.source, lambda one: one.source and (self.folder / one.source).exists()):
             with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-                waiting = {
-                    pool.submit(self.make, one, 1): one for one in todo
-                    if not one.wide and layer(one) and (not one.source or (self.folder / one.source).exists())
-                }
-                for done in concurrent.futures.as_completed(waiting):
+                for done in [pool.submit(work, one) for one in todo if layer(one)]:
                     done.result()
-                    progress(waiting[done].name)
 
     def summary(self, name):
         return Steps.read(self.folder / f"{name}.json") if self.has(name) else None
@@ -139,61 +148,95 @@ def described_tools(folder):
         raise InvalidInput(f"the list of the tools is not at '{path}'; build all of tomodem, or install it") from None
 
 
-def measures(run, tools):
+QUICK_MEASURES = ("stress_strain", "equilibrium", "shape_factor")
+
+
+def measures(run, tools, frames, quick):
     """A table of each measure that is among the tools: those known here that the run has the curves, frames or objects for,
-    in this order, with their tables of details; then every other one."""
-    largest = max((abs(strain) for strain in run.curves.get("strain", [0, [0]])[1]), default=0)
+    in this order, with their tables of details; then every other one. And name -> reason of those left out.
+
+    @param frames  those that the measures which can look at single frames (--frames) measure; the others measure all
+    """
+    def lacks(*curves):
+        missing = [name for name in curves if name not in run.curves]
+        if not run.curves:
+            return "the file is a sample, without curves"
+        return f"the run has no curve {' and '.join(missing)}" if missing else ""
+
+    no_objects = "" if run.objects else "the sample has no objects"
+    # What keeps each from being made.
     known = {
-        "stress_strain": {"strain", "stress_true", "stress_engineering", "equilibrium_error"} <= run.curves.keys(),
-        "equilibrium": {"strain", "force_top", "force_bottom"} <= run.curves.keys(),
-        "volume_change": run.frame_count > 1,
-        "shape_factor": bool(run.objects),
-        "object_shapes": bool(run.objects),
-        "topology": True,
-        "pores": True,
-        "coordination": True,
-        "crystallinity": True,
-        "control_numbers": {"kinetic_energy", "potential_energy", "force_top"} <= run.curves.keys() and bool(run.provenance.scene),
+        "stress_strain": lacks("strain", "stress_true", "stress_engineering", "equilibrium_error"),
+        "equilibrium": lacks("strain", "force_top", "force_bottom"),
+        "volume_change": "" if run.frame_count > 1 else "there is one frame",
+        "shape_factor": no_objects,
+        "object_shapes": no_objects,
+        "topology": "",
+        "pores": "",
+        "coordination": "",
+        "crystallinity": "",
+        "control_numbers": lacks("kinetic_energy", "potential_energy", "force_top")
+        or ("" if run.provenance.scene else "the file does not hold a scene"),
     }
     words = {
-        "equilibrium": ("--from", f"{2 / 3 * largest:.6g}"),
+        "stress_strain": flow_strain(run.largest_strain),
+        "equilibrium": ("--from", f"{2 / 3 * run.largest_strain:.6g}"),
         "shape_factor": ("--means", "shape_factor_means.csv"),
         "topology": ("--events", "topology_events.csv"),
         "pores": ("--each", "pores_each.csv"),
     }
     shown = [name for name, tool in tools.items() if tool["display"]]
-    others = sorted(name for name in shown if name not in known)
-    return [
-        Piece(name, name, words.get(name, ()), (f"{name}.csv", *(word for word in words.get(name, ()) if word.endswith(".csv"))),
-              wide=tools[name]["threads"], optional=name not in known and not run.curves)
-        for name in [*(name for name, possible in known.items() if possible and name in shown), *others]
-    ]
+    left_out, found = {}, []
+    for name in [*(name for name in known if name in shown), *sorted(name for name in shown if name not in known)]:
+        why = known.get(name) or ("left out by --quick" if quick and name not in QUICK_MEASURES else "")
+        if why:
+            left_out[name] = why
+            continue
+        if len(frames) < run.frame_count and any(one["name"] == "--frames" for one in tools[name]["arguments"]):
+            words[name] = (*words.get(name, ()), "--frames", ",".join(map(str, frames)))
+        tables = (f"{name}.csv", *(word for word in words.get(name, ()) if word.endswith(".csv")))
+        found.append(Piece(name, name, words.get(name, ()), tables, wide=tools[name]["threads"],
+                           optional=name not in known and not run.curves))
+    return found, left_out
 
 
-def pictures(run, size):
-    """Of the first frame and of the last one: cut open, the inclusions, their surface, the pores of one phase alone; at the end
-    what the run says of each particle."""
+def flow_strain(largest):
+    """Options with which stress_strain measures the flow stress of a run that ends before its default strain: at the largest
+    strain that the run reaches, over the last sixth of it, as by default over the last sixth of 0.3."""
+    return ("--at", f"{largest:.6g}", "--window", f"{largest / 6:.6g}") if 0 < largest < DEFAULT_FLOW_STRAIN else ()
+
+
+def pictures(run, size, quick):
+    """Of the first frame and of the last one, drawn by one process: cut open, the inclusions, the pores of one phase alone, their
+    surface; at the end what the run says of each particle."""
     inclusions = sorted(run.species_of_objects) or [label for label in run.species if label != run.matrix]
     shown = inclusions[0] if inclusions else run.matrix
-    frames = {"before": "0", "after": "-1"} if run.frame_count > 1 else {"before": "0"}
+    moments = {"before": "first", "after": "last"} if run.frame_count > 1 else {"before": "first"}
     press = ("--press", run.load_axis) if run.load_axis else ()
     found = []
-    for when, frame in frames.items():
-        def picture(what, words, when=when, frame=frame):
-            name = f"picture_{what}_{when}"
-            found.append(Piece(name, "render", ("--frame", frame, *words, "--size", size), (f"{name}.png",)))
 
-        picture("cut", ("--cut", "y", *press))
-        picture("inclusions", ("--only-species", str(shown), "--color", "object" if run.objects else "phase"))
-        if not inclusions:
-            picture("pores", ("--pores",))
+    def picture(what, *words, moments=moments):
+        frames = ("--frames", ",".join(moments.values()), "--names", ",".join(moments))
+        files = tuple(f"picture_{what}_{when}.png" for when in moments)
+        found.append(Piece(f"picture_{what}", "render", (*words, *frames, "--size", size), files, output=f"picture_{what}.png",
+                           kept_with=(size,)))
+
+    picture("cut", "--cut", "auto", *press)
+    if quick:
+        return found
+    picture("inclusions", "--only-species", str(shown), "--color", "object" if run.objects else "phase")
+    if not inclusions:
+        picture("pores", "--pores")
+    for when, frame in moments.items():
+        frame = "0" if frame == "first" else "-1"
         found.append(Piece(f"mesh_{when}", "mesh_recon", ("--frame", frame, "--species", str(shown)), (f"mesh_{when}.stl",)))
         found.append(Piece(f"picture_mesh_{when}", "render", ("--view-of", str(run.path), "--size", size),
-                           (f"picture_mesh_{when}.png",), source=f"mesh_{when}.stl"))
-        if when == "after" and "stress" in run.fields and run.load_axis:
-            picture("stress", ("--color", f"stress_{2 * run.load_axis}", "--cut", "y", *press))
-        if when == "after" and "outward" in run.fields:
-            picture("outward", ("--slice", "y", "--arrows", "outward"))
+                           (f"picture_mesh_{when}.png",), source=f"mesh_{when}.stl", kept_with=(size,)))
+    if "after" in moments:
+        if "stress" in run.fields and run.load_axis:
+            picture("stress", "--color", f"stress_{2 * run.load_axis}", "--cut", "auto", *press, moments={"after": "last"})
+        if "outward" in run.fields:
+            picture("outward", "--slice", "y", "--arrows", "outward", moments={"after": "last"})
     return found
 
 

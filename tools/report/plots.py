@@ -40,6 +40,7 @@ COLOURS = (INK, ORANGE, BLUE, INDIGO)
 STRESS_UNITS = ("Pa", "kPa", "MPa", "GPa")
 # A curve whose middle value is below this share of its largest would lie flat on the axis: it is drawn over a logarithmic one.
 FLAT = 0.05
+MOST_OBJECTS = 120  # whose curves one plot shows
 
 
 def strain_axis(axes, strain):
@@ -88,10 +89,13 @@ def measure(name, display, table, more):
         flat = np.min(known) >= 0 and np.median(known) < FLAT * np.max(known) and not counts
         for one, line, colour in zip(shown, lines, itertools.cycle(COLOURS)):
             if "object" in table:
-                for number in np.unique(table["object"]):
+                objects = np.unique(table["object"])
+                drawn_ones = objects[:: -(-len(objects) // MOST_OBJECTS)]
+                for number in drawn_ones:
                     rows = table["object"] == number
                     axes.plot(at[rows], line[rows], color=GREY, lw=0.6, alpha=0.6)
-                axes.plot([], [], color=GREY, lw=0.8, label="each object")
+                of_all = "" if len(drawn_ones) == len(objects) else f" ({len(drawn_ones)} of {len(objects)} drawn)"
+                axes.plot([], [], color=GREY, lw=0.8, label=f"each object{of_all}")
             elif counts:
                 axes.step(at, line, where="mid", color=colour, lw=1.8, label=one["label"])
             else:

@@ -66,6 +66,7 @@ class RunFacts:
         # What a solver was stopped in, or is still writing, is marked by a step below zero.
         steps = position["step"][()]
         self.frame_count = int(np.count_nonzero(steps >= 0)) if len(steps) == len(value) else len(value)
+        self.frames_to_come = len(value) - self.frame_count
         if self.frame_count == 0 or value.shape[1] == 0:
             raise ValueError("it has no frame with particles")
         self.frame_time = np.asarray(times[: self.frame_count], float)
@@ -83,7 +84,7 @@ class RunFacts:
         self.curves = {
             name: (one["time"][()][one["step"][()] >= 0], one["value"][()][one["step"][()] >= 0])
             for name, one in file.get("observables", {}).items()
-            if isinstance(one, h5py.Group) and "value" in one
+            if isinstance(one, h5py.Group) and {"value", "step", "time"} <= one.keys() and np.any(one["step"][()] >= 0)
         }
         self.provenance = provenance_of(file)
 
@@ -94,7 +95,36 @@ class RunFacts:
             return np.full(self.frame_count, np.nan)
         time, strain = self.curves["strain"]
         known = np.isfinite(strain)
+        if not np.any(known):
+            return np.full(self.frame_count, np.nan)
         return np.interp(self.frame_time, time[known], strain[known])
+
+    @functools.cached_property
+    def largest_strain(self):
+        """Largest |true strain| on the way; 0 where the file has no such curve."""
+        strain = self.curves.get("strain", (None, np.zeros(1)))[1]
+        return float(np.max(np.abs(strain[np.isfinite(strain)]), initial=0))
+
+    @functools.cached_property
+    def unfinished(self):
+        """What says that the run has not reached its end, as part of a sentence; empty if nothing does.
+
+        While solve works, or when it was stopped, the run is NAME.h5.partial, and what is to come is marked in it.
+        """
+        if self.path.suffix != ".partial" and self.frames_to_come == 0:
+            return ""
+        frames = f"{self.frame_count} of {self.frame_count + self.frames_to_come} frames" if self.frames_to_come else \
+            f"{self.frame_count} frames"
+        reached, steps = self.frame_strain[-1], self.scene.get("load", {}).get("steps", [])
+        target = steps[-1].get("strain") if steps and isinstance(steps[-1], dict) else None
+        if np.isfinite(reached) and isinstance(target, (int, float)):
+            return f"it has {frames} and reached a true strain of {reached:.3f} of {target:g}"
+        return f"it has {frames}"
+
+    @property
+    def checkpoint(self):
+        """Of an unfinished run: whether its checkpoint, from which solve --resume goes on, stands beside it."""
+        return self.path.with_suffix(".checkpoint").is_file()
 
     @functools.cached_property
     def scene(self):
@@ -170,17 +200,14 @@ class Steps:
         return len(Steps.ORDER) + {"mesh_recon": 1, "render": 2}.get(summary["tool"], 0)
 
     @staticmethod
-    def history(run):
-        """Command lines that made a run and its inputs; the run and the images it comes from."""
-        commands, files = set(), {os.path.realpath(run.path)}
+    def origins(run):
+        """What the run and the files that it was made from say of their making, as far as these can be read, the run first."""
         todo, seen = [run.provenance], set()
         while todo:
             provenance = todo.pop()
-            commands.add(provenance.command_line)
+            yield provenance
             for name in set(provenance.inputs) - seen:
                 seen.add(name)
-                if provenance.tool == "vol2pack":
-                    files |= real_paths([name], run.path.parent)
                 for place in (name, run.path.parent / pathlib.PurePath(name).name):
                     try:
                         with h5py.File(place) as file:
@@ -188,7 +215,26 @@ class Steps:
                         break
                     except OSError:
                         continue
+
+    @staticmethod
+    def history(run):
+        """Command lines that made a run and its inputs; the run and the images it comes from."""
+        commands, files = set(), {os.path.realpath(run.path)}
+        for provenance in Steps.origins(run):
+            commands.add(provenance.command_line)
+            # Not the brick beside it, which samples of other images may share.
+            if provenance.tool == "vol2pack":
+                files |= real_paths(shlex.split(provenance.command_line)[2:3], run.path.parent)
         return commands - {""}, files
+
+    @staticmethod
+    def image_of(run):
+        """The image that the run or sample was made from, as the command line of vol2pack named it; empty if not known."""
+        for provenance in Steps.origins(run):
+            words = shlex.split(provenance.command_line)
+            if provenance.tool == "vol2pack" and len(words) > 3:
+                return words[2]
+        return ""
 
     def first(self, tool):
         """The summary of the first step by this tool (or whose name begins so), or nothing."""

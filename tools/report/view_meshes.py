@@ -11,18 +11,17 @@ import typing
 
 import numpy as np
 
-MOST_FRAMES = 61
 MOST_TRIANGLES = 16000  # of one surface: what a laptop draws at ease, finer than a window shows
 BUDGET = 7.5e6  # characters of all surfaces together
 CHARACTERS_A_TRIANGLE = (3 * 2 + 0.5 * 3 * 2) * 4 / 3  # three indices, half a point, base64
-FEWEST_OF_A_BODY = 60
+FEWEST_OF_A_BODY, ENOUGH_OF_A_BODY = 16, 60
 
 
-def chosen_frames(count):
+def chosen_frames(count, most):
     """Evenly spread, first and last among them."""
-    if count <= MOST_FRAMES:
+    if count <= most:
         return list(range(count))
-    return sorted({round(k * (count - 1) / (MOST_FRAMES - 1)) for k in range(MOST_FRAMES)})
+    return sorted({round(k * (count - 1) / (most - 1)) for k in range(most)})
 
 
 def triangles_each(surfaces):
@@ -37,6 +36,7 @@ class Surface:
     points: np.ndarray
     triangles: np.ndarray
     bodies: list  # (number of the object, or of the body; points)
+    all_bodies: int  # of the file
 
 
 def ended_with_its_parent():
@@ -93,18 +93,22 @@ def decimated(points, triangles, wanted):
 
 
 def small_surface(wanted, name, path):
-    """The surface of a file, each body with its share of the wanted triangles."""
+    """The surface of a file, each body with its share of the wanted triangles; of very many bodies the largest."""
     bodies = read_bodies(path, name)
+    all_bodies = len(bodies)
+    if (most := wanted // FEWEST_OF_A_BODY) < len(bodies):
+        largest = sorted(range(len(bodies)), key=lambda k: -len(bodies[k][2]))[:most]
+        bodies = [bodies[k] for k in sorted(largest)]
     all_triangles = sum(len(triangles) for _, _, triangles in bodies)
     points, triangles, counts, first = [np.empty((0, 3))], [np.empty((0, 3), int)], [], 0
     for number, its_points, its_triangles in bodies:
-        share = max(FEWEST_OF_A_BODY, round(wanted * len(its_triangles) / all_triangles))
+        share = max(FEWEST_OF_A_BODY, min(ENOUGH_OF_A_BODY, wanted // len(bodies)), round(wanted * len(its_triangles) / all_triangles))
         its_points, its_triangles = decimated(its_points, its_triangles, share)
         points.append(its_points)
         triangles.append(its_triangles + first)
         counts.append((number, len(its_points)))
         first += len(its_points)
-    return Surface(np.concatenate(points), np.concatenate(triangles), counts)
+    return Surface(np.concatenate(points), np.concatenate(triangles), counts, all_bodies)
 
 
 def small_surfaces(paths, wanted, name, threads):
@@ -142,28 +146,36 @@ def packed(surface, low, high):
     }
 
 
-def pack_layers(layers, frames, threads):
-    """The layers as the viewer reads them, and how many triangles they have before and after."""
-    wanted = triangles_each(sum(len(layer.paths) for layer in layers))
-    surfaces = {
-        id(layer): dict(zip(layer.paths, small_surfaces(list(layer.paths.values()), wanted, layer.numbers, threads)))
-        for layer in layers
-    }
-    everything = [one.points for of_layer in surfaces.values() for one in of_layer.values() if len(one.points)]
-    low = np.min([points.min(axis=0) for points in everything], axis=0) if everything else np.zeros(3)
-    high = np.max([points.max(axis=0) for points in everything], axis=0) if everything else np.ones(3)
-    result, triangles = [], 0
-    for layer in layers:
-        of_layer = surfaces[id(layer)]
-        triangles += sum(len(one.triangles) for one in of_layer.values())
-        bodies = sorted({number for one in of_layer.values() for number, _ in one.bodies})
-        if not bodies:
-            continue
-        result.append({
-            "kind": layer.kind,
-            "name": layer.name,
-            "swatch": layer.colour_of(bodies[0]),
-            "colours": {number: layer.colour_of(number) for number in bodies},
-            "frames": [packed(of_layer[frame], low, high) if frame in of_layer else None for frame in frames],
-        })
-    return result, [low.tolist(), high.tolist()], triangles
+class View:
+    """The layers as the viewer reads them, in the frames in which there is something to show.
+
+    @note  layers, frames, bounds [mm], triangles; notes: sentences about what is not shown
+    """
+
+    def __init__(self, layers, frames, threads):
+        self.frames = [frame for frame in frames if any(frame in layer.paths for layer in layers)]
+        wanted = triangles_each(sum(len(layer.paths) for layer in layers))
+        surfaces = {
+            id(layer): dict(zip(layer.paths, small_surfaces(list(layer.paths.values()), wanted, layer.numbers, threads)))
+            for layer in layers
+        }
+        everything = [one.points for of_layer in surfaces.values() for one in of_layer.values() if len(one.points)]
+        low = np.min([points.min(axis=0) for points in everything], axis=0) if everything else np.zeros(3)
+        high = np.max([points.max(axis=0) for points in everything], axis=0) if everything else np.ones(3)
+        self.bounds = [low.tolist(), high.tolist()]
+        self.layers, self.triangles, self.notes = [], 0, []
+        for layer in layers:
+            of_layer = surfaces[id(layer)]
+            self.triangles += sum(len(one.triangles) for one in of_layer.values())
+            bodies = sorted({number for one in of_layer.values() for number, _ in one.bodies})
+            if not bodies:
+                continue
+            if max(one.all_bodies for one in of_layer.values()) > max(len(one.bodies) for one in of_layer.values()):
+                self.notes.append(f"Of the {layer.name} the {wanted // FEWEST_OF_A_BODY} largest of each frame are shown.")
+            self.layers.append({
+                "kind": layer.kind,
+                "name": layer.name,
+                "swatch": layer.colour_of(bodies[0]),
+                "colours": {number: layer.colour_of(number) for number in bodies},
+                "frames": [packed(of_layer[frame], low, high) if frame in of_layer else None for frame in self.frames],
+            })

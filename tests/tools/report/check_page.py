@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Opens a report in a headless Chromium and tries its 3-D view with a mouse; exits with an error where a claim fails.
 
-usage: check_page.py loads PAGE      no complaint of a script, no request but for the page itself, nothing wider than a phone
+usage: check_page.py loads PAGE...   no complaint of a script, no request but for the page itself, nothing wider than a phone
        check_page.py view PAGE       draws, turns, zooms, comes back, plays; frames, switches and opacity change what is seen
        check_page.py event PAGE      a row of the events shows its frame, the event marked at its place
        check_page.py pictures PAGE FOLDER   pictures of the page for a person to look at
@@ -55,7 +55,17 @@ def no_complaints(browser):
     claim(sum(url.startswith("file:") for url in browser.requests) == 1, f"the page is not one file: {browser.requests}")
 
 
-def loads(browser):
+def loads(browser, *more):
+    loads_one(browser)
+    for page in more:
+        claim(pathlib.Path(page).is_file(), f"there is no page '{page}'")
+        browser.complaints.clear()
+        browser.requests.clear()
+        browser.open(page)
+        loads_one(browser)
+
+
+def loads_one(browser):
     for width in (1280, 380):
         browser.size(width, 900)
         browser.drawn()

@@ -35,7 +35,7 @@ cli::Usage usage(Request& request) {
                       "Centre, volume, ellipsoid of inertia and shape factor of the objects of a run, frame by frame."}
         .input("RUN", request.run, "Run or sample (.h5) whose particles carry the number of their object.")
         .output("TABLE", request.table, "Table to write, with one row for each frame and object.", {".csv"})
-        .option("--frames", request.frames, "Frames to measure: all, first, last or a number from 0.")
+        .option("--frames", request.frames, "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
         .option("--min-particles", request.min_particles, cli::Unit::particles, {.low = 4},
                 "Leave out objects with fewer particles.")
         .flag("--exclude-boundary", request.exclude_boundary,
