@@ -1,6 +1,6 @@
 # The chain of one stack, from a segmented tomography to $(OUT)/report.html. Pipelines include it, or run it:
 #
-#   make -f pipelines/chain.mk VOLUME=stack.tif [VOXEL_SIZE=2.4um] OUT=out/stack [BIN=build/bin] [NP=1]
+#   make -f pipelines/chain.mk VOLUME=stack.tif [VOXEL_SIZE=2.4um [OVERRIDE_VOXEL_SIZE=yes]] OUT=out/stack [BIN=build/bin] [NP=1]
 #        [sample | relaxed | run | report]
 #
 # Every file is made by one command from the files that it depends on. Inputs, the executables too, count by their content:

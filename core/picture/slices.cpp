@@ -138,12 +138,12 @@ Panel histogram_panel(const GreyVolume& volume, const std::string& caption, cons
             ++counts[static_cast<std::size_t>(std::min(columns - 1.0, std::floor(place)))];
     }
     const double highest =
-        std::log1p(static_cast<double>(std::max<std::int64_t>(1, *std::max_element(counts.begin(), counts.end()))));
+        std::sqrt(static_cast<double>(std::max<std::int64_t>(1, *std::max_element(counts.begin(), counts.end()))));
     Panel panel{caption, columns, rows, columns / (2.5 * rows),
                 std::vector<Colour>(static_cast<std::size_t>(columns) * rows, Colour{235, 235, 235})};
     for (int column = 0; column < columns; ++column) {
         const int height =
-            static_cast<int>(std::lround(rows * std::log1p(static_cast<double>(counts[column])) / highest));
+            static_cast<int>(std::lround(rows * std::sqrt(static_cast<double>(counts[column])) / highest));
         for (int row = rows - height; row < rows; ++row)
             panel.colours[static_cast<std::size_t>(row) * columns + column] = {40, 90, 160};
     }

@@ -30,7 +30,7 @@ Panel slice_panel(const GreyVolume& volume, int axis, const std::string& caption
 /// Grey values between which all but the darkest and brightest 0.5 % lie.
 std::array<double, 2> grey_window(const GreyVolume& volume);
 
-/// How often each grey value occurs, between the ends of a window, on a logarithmic scale.
+/// How often each grey value occurs, between the ends of a window; heights are square roots, so that small peaks show.
 Panel histogram_panel(const GreyVolume& volume, const std::string& caption, const std::array<double, 2>& window);
 
 /// A colour for each number from 1 on, far from those of the numbers beside it.

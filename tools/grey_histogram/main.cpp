@@ -49,6 +49,11 @@ void run(const Request& request, cli::Tool& tool) {
     for (std::size_t i = 0; i < classes.size(); ++i)
         tool.report(fmt::format("fraction_label_{}", i),
                     100.0 * static_cast<double>(classes[i]) / static_cast<double>(histogram.voxels()), "%");
+    const auto values =
+        std::count_if(histogram.counts.begin(), histogram.counts.end(), [](std::int64_t count) { return count > 0; });
+    constexpr std::ptrdiff_t max_labels = 16;
+    if (histogram.whole && values <= max_labels)
+        tool.note(fmt::format("the image has {} values: if they are labels already, it needs no threshold", values));
     constexpr double few = 5;  // %
     if (request.volume.threshold.empty())
         for (std::size_t i = 0; i < classes.size(); ++i)

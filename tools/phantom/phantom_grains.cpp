@@ -34,6 +34,7 @@ cli::Usage usage(Request& request) {
         .output_option("--objects", request.objects,
                        "Label volume of the true grains to write: 1, 2, ... in the order of the truth.",
                        {".tif", ".tiff"})
+        .threads()
         .step(cli::Step::image)
         .example("phantom_grains sand.tif --voxel-size 3um --fraction 0.5 --count 40 --objects truth.tif");
 }
@@ -51,7 +52,7 @@ void run(const Request& request, cli::Tool& tool) {
     const auto grains =
         place_touching(draw_inclusions(wanted, edges.prod(), random), edges, request.overlap, random, tool);
     const Raster numbers = rasterise_numbers(grains, size, request.voxel_size, tool);
-    const Raster phase = rasterise(grains, size, request.voxel_size, 1, 0, 1, tool);
+    const Raster phase = rasterise(grains, size, request.voxel_size, 1, 0, tool.threads(), tool);
 
     auto truth = truth_of(phase.volume, tool.provenance(), request.random_seed, {{0, "void"}, {1, "grain"}}, {});
     truth["count"] = grains.size();

@@ -254,7 +254,7 @@ std::vector<Grain> place_without_overlap(std::vector<Grain> grains, const Vec3& 
     }
     throw InvalidInput(
         fmt::format("{} grains with gaps of {:.3g} mm do not fit into the volume without overlap; ask for a "
-                    "smaller fraction or gap",
+                    "smaller fraction or gap, or more overlap",
                     grains.size(), gap));
 }
 

@@ -56,7 +56,7 @@ void run(const Request& request, cli::Tool& tool) {
     tool.report("written_as", std::string(name_of(grey.stored_type())));
     const auto window = grey_window(grey);
     std::vector<std::vector<Panel>> page{{slice_panel(grey, 2, "before: middle slice across z", window)},
-                                         {histogram_panel(grey, "grey values, logarithmic", window)}};
+                                         {histogram_panel(grey, "grey values; heights are square roots", window)}};
     grey.values = std::move(values);
     if (!request.picture.empty()) {
         page[0].push_back(slice_panel(grey, 2, "after", window));

@@ -23,9 +23,9 @@ cli::Usage usage(Request& request) {
     add_grey_volume(usage, request.volume)
         .output("LABELS", request.labels, "Label volume to write: 1 above the threshold, 0 elsewhere.",
                 {".tif", ".tiff"})
-        .required(
-            "--radius", request.radius, cli::Unit::voxels, {1, 1000},
-            "How far the box of the mean reaches along each axis: farther than the thickest part of either phase.")
+        .required("--radius", request.radius, cli::Unit::voxels, {1, 1000},
+                  "How far the box of the mean reaches along each axis: about the thickness of the thickest part of "
+                  "either phase.")
         .option("--offset", request.offset, cli::Unit::none, cli::any,
                 "Grey values that are added to the mean; about half the contrast keeps noise out of wide dark parts.")
         .output_option("--picture", request.picture, "Picture to write: middle slices, grey and labels.", {".png"})

@@ -11,12 +11,12 @@ namespace tomodem::segment {
 /// What became of one label.
 struct SeparatedLabel {
     std::int32_t label = 0;
-    std::int32_t first = 0;            ///< label of its first object; the others follow
+    std::int32_t first = 0;                 ///< label of its first object; the others follow
     std::vector<std::int64_t> voxels = {};  ///< of each object
-    std::int64_t components = 0;       ///< connected components (by faces) that the label had
-    std::int64_t components_cut = 0;   ///< of these, those that are more than one object now
-    std::int64_t joined = 0;           ///< parts below the smallest size that became part of an object beside them
-    std::int64_t removed = 0;          ///< and those without one: they have the label around them
+    std::int64_t components = 0;            ///< connected components (by faces) that the label had
+    std::int64_t components_cut = 0;        ///< of these, those that are more than one object now
+    std::int64_t joined = 0;                ///< parts below the smallest size that became part of an object beside them
+    std::int64_t removed = 0;               ///< and those without one: they have the label around them
 
     std::int32_t last() const { return first + static_cast<std::int32_t>(voxels.size()) - 1; }
 };

@@ -111,6 +111,25 @@ void remove_small(LabelVolume& volume, const Request& request, cli::Tool& tool) 
                                                                     connectivity_of(request.connectivity), tool));
 }
 
+/// Objects that touch are one object, which is rarely wanted.
+void warn_of_merged_objects(const Regions& regions, const std::vector<std::int32_t>& object_labels, cli::Tool& tool) {
+    constexpr double most = 0.9;
+    for (const std::int32_t label : object_labels) {
+        std::int64_t objects = 0, voxels = 0, largest = 0;
+        for (std::size_t i = 0; i < regions.components.voxels.size(); ++i) {
+            if (regions.components.label[i] != label || regions.image_label[i] != 0) continue;
+            ++objects;
+            voxels += regions.components.voxels[i];
+            largest = std::max(largest, regions.components.voxels[i]);
+        }
+        if (objects > 1 && static_cast<double>(largest) > most * static_cast<double>(voxels))
+            tool.warn(
+                fmt::format("one of the {} objects of label {} holds {:.4g} % of it: objects that touch are one; "
+                            "separate_objects gives each a label of its own, for --label-objects",
+                            objects, label, 100 * static_cast<double>(largest) / static_cast<double>(voxels)));
+    }
+}
+
 double seed_radius_of(const Request& request, const LabelVolume& volume, const Packing& brick, cli::Tool& tool) {
     const double pixel = volume.spacing()[0];
     if (tool.given("--pixels-per-seed")) return request.pixels_per_seed * pixel;
@@ -158,6 +177,7 @@ void run(const Request& request, cli::Tool& tool) {
     const auto regions =
         distinguish_regions(volume, object_labels, label_objects, connectivity_of(request.connectivity),
                             request.skip_components ? Regions::Of::objects : Regions::Of::everything, tool);
+    if (regions) warn_of_merged_objects(*regions, object_labels, tool);
     clock.done("components");
 
     const double seed_radius = seed_radius_of(request, volume, brick, tool);

@@ -42,6 +42,31 @@ assert sum(pore["voxels"] for pore in truth["objects"]) == info["voxels_label_0"
 PYTHON
 }
 
+@test "phantom_grains are whole, nearly all touch, and share voxels at the plane between them" {
+    "$TOMODEM_BIN/phantom_grains" a.tif --size 90x80x70 --voxel-size 4um --fraction 0.5 --count 30 --objects b.tif
+    info a.tif
+    /usr/bin/python3 - <<'PYTHON'
+import json, math
+import numpy as np
+from PIL import Image, ImageSequence
+read = lambda path: np.array([np.array(page) for page in ImageSequence.Iterator(Image.open(path))])
+info, truth, phase, number = json.load(open("info.json")), json.load(open("a.json")), read("a.tif"), read("b.tif")
+assert truth["count"] == len(truth["objects"]) == number.max() == 30 and info["components_label_1"] < 8
+assert ((number > 0) == (phase == 1)).all()
+balls = [(np.array(ball["centre_voxels"]), ball["radius_voxels"]) for ball in truth["objects"]]
+assert abs(sum(4 / 3 * math.pi * r**3 for _, r in balls) / phase.size - 0.5) < 1e-6
+for (centre, radius), ball in zip(balls, truth["objects"]):
+    assert (centre - radius > -1e-9).all() and (centre + radius < np.array([90, 80, 70]) + 1e-9).all()
+    assert ball["voxels"] == (number == ball["number"]).sum() > 0.8 * ball["volume_voxels"]
+gaps = [np.linalg.norm(a - b) / (r + s) for i, (a, r) in enumerate(balls) for b, s in balls[:i]]
+assert min(gaps) > 0.9 - 1e-9 and sum(gap < 1 for gap in gaps) >= 30, (min(gaps), sum(gap < 1 for gap in gaps))
+# Every voxel is the grain's whose sphere it lies deepest in, by the power of its centre.
+z, y, x = np.indices(number.shape) + 0.5
+power = np.array([(x - c[0])**2 + (y - c[1])**2 + (z - c[2])**2 - r * r for c, r in balls])
+assert (number == np.where(power.min(axis=0) <= 0, power.argmin(axis=0) + 1, 0)).mean() > 1 - 1e-6
+PYTHON
+}
+
 @test "phantom_foam has its relative density within 0.2 points, in one piece with one open pore space" {
     for density in 0.066 0.12 0.18; do
         "$TOMODEM_BIN/phantom_foam" a.tif --size 100 --voxel-size 20um --relative-density $density --cells 2
@@ -58,7 +83,7 @@ PYTHON
 
 @test "the same random seed gives the same bytes, another one another phantom" {
     for kind in "inclusions --fraction 0.2 --count 9" "pores --porosity 0.02 --median-diameter 15um" \
-        "foam --relative-density 0.15 --cells 2" "fibres --relative-density 0.2"; do
+        "foam --relative-density 0.15 --cells 2" "fibres --relative-density 0.2" "grains --fraction 0.4 --count 9"; do
         set -- $kind
         tool=$TOMODEM_BIN/phantom_$1
         shift

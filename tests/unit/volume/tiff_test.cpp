@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/base/error.hpp"
+#include "core/volume/grey_volume.hpp"
 #include "core/volume/volume.hpp"
 #include "tests/unit/temporary_folder.hpp"
 
@@ -444,6 +445,41 @@ TEST_F(WrittenVolume, LeavesNothingBehindWhenTheFolderIsNotThere) {
             write_label_volume(LabelVolume({1, 1, 1}, Vec3::Ones()), folder / "none" / "a.tif");
         },
         ThrowsMessage<InvalidInput>(HasSubstr("none")));
+}
+
+TEST_F(WrittenVolume, OfGreyValuesIsRoundedAndCutToTheTypeOfItsFileAndKeepsItsPlace) {
+    struct Case {
+        VoxelType type;
+        std::vector<float> written;
+    };
+    const std::vector<float> values{-300.4F, -3.5F, 0.4F, 127.6F, 300.2F, 70000.F};
+    for (const Case& one :
+         {Case{VoxelType::uint8, {0, 0, 0, 128, 255, 255}}, Case{VoxelType::int8, {-128, -4, 0, 127, 127, 127}},
+          Case{VoxelType::uint16, {0, 0, 0, 128, 300, 65535}}, Case{VoxelType::int16, {-300, -4, 0, 128, 300, 32767}},
+          Case{VoxelType::float64, values}, Case{VoxelType::int32, values}}) {
+        GreyVolume grey{{3, 1, 2}, Vec3(0.002, 0.002, 0.005), Vec3(1, 2, 3), one.type, values, ""};
+        write_grey_volume(grey, folder / "grey.tif", silent_reporter());
+        const GreyVolume found = read_grey_volume(folder / "grey.tif", {}, 2, silent_reporter());
+        EXPECT_EQ(found.values, one.written) << name_of(one.type);
+        EXPECT_EQ(found.type, grey.stored_type());
+        EXPECT_EQ(found.size, grey.size);
+        EXPECT_EQ(found.spacing, grey.spacing);
+        EXPECT_EQ(found.origin, grey.origin);
+    }
+}
+
+TEST_F(WrittenVolume, OfARegionOfGreyValuesInBlocksHoldsTheirMeansAtTheirPlace) {
+    GreyVolume grey{{4, 4, 2}, Vec3::Constant(0.5), Vec3::Zero(), VoxelType::uint8, std::vector<float>(32), ""};
+    for (std::size_t i = 0; i < grey.values.size(); ++i) grey.values[i] = static_cast<float>(i);
+    write_grey_volume(grey, folder / "grey.tif", silent_reporter());
+    VolumeOptions options;
+    options.region = {{VoxelIndex{2, 0, 0}, VoxelIndex{2, 4, 2}}};
+    options.bin = {2, 2, 2};
+    const GreyVolume found = read_grey_volume(folder / "grey.tif", options, 1, silent_reporter());
+    EXPECT_THAT(found.values, ElementsAre(12.5F, 20.5F));  // of 2, 3, 6, 7, 18, 19, 22, 23, and 8 more than each
+    EXPECT_EQ(found.spacing, Vec3::Constant(1));
+    EXPECT_EQ(found.origin, Vec3(1, 0, 0));
+    EXPECT_EQ(found.stored_type(), VoxelType::float32);
 }
 
 }  // namespace
