@@ -4,7 +4,7 @@
 Cases: "phantom", a casting with 20 pores, 10 to 35 particles across (720,000 particles); "iron", a part of a real
 tomography, nodular cast iron, with its graphite nodules read as pores (needs the data set's folder); "small", a phantom of
 6 pores for a quick look. Prints for both ways the error of the total volume, of the worst pore above 12 particles across
-(both by alpha shape), of the total by the grid and, for carve without open pores, by the mass that is missing (as if the
+(both by alpha shape), of the total by the grid and, for carve with closed pores alone, by the mass that is missing (as if the
 sample's faces stayed where those of the dense sample at rest are), and the intersection over union with the
 image's pores.
 
@@ -107,12 +107,11 @@ with contextlib.ExitStack() as stack:
                  "once.csv", check=False)
             found = {"carve": figures("carved.h5", "carved.csv", *given, seconds),
                      "once": figures("once.h5", "once.csv", *given, once_seconds)}
-            results[f"{case}, {law}"] = found | {"open_pores": summary["open_pores"],
-                                                 "closed_pores": summary["closed_pores"]}
-            print(f"{case}, {law}: {dense} particles, {summary['closed_pores']} closed pores, of which "
-                  f"{summary['judged_pores']} judged; {summary['open_pores']} open, {summary['too_small_pores']} too small")
+            results[f"{case}, {law}"] = found | {kind: summary[kind] for kind in ("closed_pores", "cut_pores", "open_pores")}
+            print(f"{case}, {law}: {dense} particles, {summary['closed_pores']} closed pores and {summary['cut_pores']} cut ones, "
+                  f"of which {summary['judged_pores']} judged; {summary['open_pores']} open, {summary['too_small_pores']} too small")
             for way, f in found.items():
-                mass = "" if summary["open_pores"] or way == "once" else f", {f['mass']:+.2%} by mass"
+                mass = "" if summary["open_pores"] or summary["cut_pores"] or way == "once" else f", {f['mass']:+.2%} by mass"
                 print(f"  {way:5}: total {f['total']:+.2%} ({f['grid']:+.2%} by grid{mass}), worst pore {f['worst']:+.2%}, IoU "
                       f"{f['iou']:.3f}, {f['iterations']} iterations, {f['minutes']:.1f} min", flush=True)
 if json_file:

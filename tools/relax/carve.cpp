@@ -210,11 +210,7 @@ Assessment Carver::assess(const Packing& sample) const {
         for (const std::size_t i : near(k, sample)) centres.push_back(sample.position[i]);
         const Belongs mine = [&](const Vec3& point) { return belongs(k, point); };
         Mirrors mirrors{pore.face, Vec3::Zero()};
-        Vec3 low = pore.distance.low(), high = pore.distance.high();
-        for (int c = 0; c < 3; ++c) {
-            if (pore.face[c] < 0) low[c] = mirrors.plane[c] = ends.low[c];
-            if (pore.face[c] > 0) high[c] = mirrors.plane[c] = ends.high[c];
-        }
+        for (int c = 0; c < 3; ++c) mirrors.plane[c] = pore.face[c] < 0 ? ends.low[c] : ends.high[c];
         PoreState& state = result.pores[k];
         state.number = pore.part.number;
         state.kind = pore.kind;
@@ -225,7 +221,7 @@ Assessment Carver::assess(const Packing& sample) const {
         state.overlap = overlap_pore(centres, pore.distance, mine, {seed_radius_, density_}, pore.across, mirrors);
         state.target = pore.kind == PoreKind::open     ? state.overlap.image
                        : pore.kind == PoreKind::closed ? pore.part.volume
-                                                       : pore.distance.volume_within(low, high);
+                                                       : pore.distance.volume_up_to(pore.face, mirrors.plane);
     });
     double largest = -1;
     for (std::size_t k = 0; k < result.pores.size(); ++k) {

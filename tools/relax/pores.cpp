@@ -136,13 +136,16 @@ double DistanceField::at(const Vec3& point) const {
     return sum;
 }
 
-double DistanceField::volume_within(const Vec3& corner_low, const Vec3& corner_high) const {
+double DistanceField::volume_up_to(const std::array<int, 3>& face, const Vec3& plane) const {
     std::array<std::vector<double>, 3> share;  // of each layer of voxels along each axis
     for (int c = 0; c < 3; ++c) {
-        share[c].resize(size_[c], 0);
-        for (std::int32_t i = std::lround(first_[c]); i <= std::lround(last_[c]); ++i) {
-            const double begin = low_[c] + (i - 0.5) * spacing_[c], end = begin + spacing_[c];
-            share[c][i] = std::max(0.0, std::min(end, corner_high[c]) - std::max(begin, corner_low[c])) / spacing_[c];
+        share[c].assign(size_[c], 1);
+        if (face[c] == 0) continue;
+        const auto outermost = static_cast<std::int32_t>(std::lround(face[c] < 0 ? first_[c] : last_[c]));
+        for (std::int32_t i = 0; i < size_[c]; ++i) {
+            const double inner_side = low_[c] + (i - 0.5 * face[c]) * spacing_[c];
+            const double layers = face[c] * (plane[c] - inner_side) / spacing_[c];
+            share[c][i] = std::max(0.0, i == outermost ? layers : std::min(layers, 1.0));
         }
     }
     double voxels = 0;

@@ -21,8 +21,9 @@ class DistanceField {
 
     /// Trilinear between the voxels' centres; infinite outside the box.
     double at(const Vec3& point) const;
-    /// Volume of the set's voxels between two corners [mm^3].
-    double volume_within(const Vec3& corner_low, const Vec3& corner_high) const;
+    /// Volume of the set's voxels [mm^3] up to planes [mm] near faces of the image (-1 the low one along an axis, 1 the
+    /// high one, 0 none). Beyond the image the set goes on as it meets the face.
+    double volume_up_to(const std::array<int, 3>& face, const Vec3& plane) const;
     /// The box in which at() is finite.
     const Vec3& low() const { return low_; }
     const Vec3& high() const { return high_; }

@@ -73,8 +73,10 @@ TEST(FindPores, TellsCutPoresAndLeavesSmallOnesOut) {
     const ImagePore& cut = found.pores[first_is_cut ? 0 : 1];
     EXPECT_EQ(cut.kind, PoreKind::cut);
     EXPECT_EQ(cut.face, (std::array<int, 3>{-1, 0, 0}));
-    EXPECT_NEAR(cut.distance.volume_within(Vec3(1.5, 1, 1), Vec3(7, 7, 7)), std::numbers::pi / 3 * 0.25 * (3 - 0.5),
-                0.02);  // a cap half a radius high
+    const double cap = std::numbers::pi / 3 * 0.25 * (3 - 0.5);  // half a radius high
+    EXPECT_NEAR(cut.distance.volume_up_to(cut.face, Vec3(1.5, 9, 9)), cap, 0.02);
+    const double beyond = 0.3 * std::numbers::pi;  // the image ends at 1, the material at 0.7
+    EXPECT_NEAR(cut.distance.volume_up_to(cut.face, Vec3(0.7, 9, 9)), cut.part.volume + beyond, 0.04);
     // What the image does not show is not material: no surface at its face.
     EXPECT_NEAR(cut.distance.at(Vec3(1.05, 4.0, 4.0)), -1, 0.15);
 }
