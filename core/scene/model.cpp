@@ -87,6 +87,7 @@ double height_of(const Scene& scene, const Packing& sample) {
 }  // namespace
 
 std::vector<std::string> other_names(const Scene& scene, const Packing& sample) {
+    check_names(scene, sample);
     std::vector<std::string> found;
     for (const Phase& phase : scene.phases)
         if (const auto name = sample.label_names.find(phase.label);

@@ -53,6 +53,7 @@ struct Model {
 Model compile_model(const Scene& scene, const Packing& sample, std::optional<double> height = {});
 
 /// Phases that have another name in the sample, one line each: a question of words, or a wrong label.
+/// @throws InvalidInput for a name that belongs to another label in the sample
 std::vector<std::string> other_names(const Scene& scene, const Packing& sample);
 
 /// Of the forces of the two planes: above, the curves say more of inertia than of the material.

@@ -1,6 +1,7 @@
 #include "solver_plugin/run/continuation.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <set>
@@ -124,6 +125,29 @@ std::vector<std::string> changes(const Scene& before, const Scene& next) {
         found.push_back("self_contact is on, before off: whatever touches at the beginning is taken for the inside");
     if (!next.self_contact && before.self_contact)
         found.push_back("self_contact is off, before on: surfaces that had met attract each other now");
+    return found;
+}
+
+std::vector<std::string> check_rest(Packing& sample, const std::string& relaxed_under, const Scene& scene,
+                                    Reporter& reporter) {
+    if (!sample.relaxed || relaxed_under.empty()) return {};
+    const Scene earlier = parse_stored_scene(relaxed_under, "of the relaxed sample");
+    const auto crown = [](const Scene& one) { return one.crown_radius / one.seed_radius; };
+    if (&earlier.law() != &scene.law() || std::abs(crown(earlier) / crown(scene) - 1) > 1e-9 ||
+        earlier.radius_dispersion != scene.radius_dispersion || labels_of(earlier) != labels_of(scene)) {
+        sample.relaxed = false;
+        reporter.note(
+            fmt::format("the sample was relaxed as another material (law \"{}\", crown {:g} seed radii, radius "
+                        "dispersion {:g}): it is not at rest under this scene",
+                        earlier.law().name(), crown(earlier), earlier.radius_dispersion));
+        return {};
+    }
+    std::vector<std::string> found = changes(earlier, scene);
+    if (!found.empty())
+        reporter.note(
+            fmt::format("since the sample was relaxed: {}. The stress differs from that of a sample relaxed "
+                        "anew by no more than between packings (docs/running.md)",
+                        fmt::join(found, "; ")));
     return found;
 }
 

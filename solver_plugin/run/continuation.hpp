@@ -53,8 +53,15 @@ Continuation read_continuation(const std::filesystem::path& run, MPI_Comm commun
 ///         sizes, axis or sides
 void check_continuation(const Continuation& before, const Scene& next);
 
-/// Constants of the material that are others than in that run, one line each.
+/// Constants of the material that are others than before, one line each. Both scenes have the same labels.
 std::vector<std::string> changes(const Scene& before, const Scene& next);
+
+/// What a relaxed sample means under a scene that may not be the one that it was relaxed under: where law, crown or
+/// radii are others it is not at rest (`relaxed` becomes false). Says so, or what else has changed.
+/// @param relaxed_under  text of that scene, as the sample's file holds it; empty: not known
+/// @return               changes() that the rest of the sample outlasts
+std::vector<std::string> check_rest(Packing& sample, const std::string& relaxed_under, const Scene& scene,
+                                    Reporter& reporter);
 
 /// The constants of a run, which are those of its beginning where it continues another.
 /// @param before  null: it begins with a sample

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/error.hpp"
 #include "core/cli/cli.hpp"
@@ -112,6 +113,9 @@ void run(const Request& request, cli::Tool& tool) {
     std::optional<Continuation> before;
     if (!request.frame.empty()) before = end_of_run(request, scene);
     Packing sample = before ? before->sample : read_sample(request.sample);
+    std::vector<std::string> changed = before ? changes(before->scene, scene) : std::vector<std::string>{};
+    if (!before && sample.relaxed)
+        changed = check_rest(sample, RunReader(request.sample).provenance().scene, scene, tool);
     if (request.explain) {
         const Explanation found = explain(sample, scene, before ? &*before : nullptr, MPI_COMM_WORLD, tool);
         report(found, tool);
@@ -139,7 +143,9 @@ void run(const Request& request, cli::Tool& tool) {
     if (before) {
         tool.report("strain_before", *provenance.strain_before);
         tool.report("time_before", *provenance.time_before, "s");
-        tool.report_json("changed_since_run", changes(before->scene, scene));
+        tool.report_json("changed_since_run", changed);
+    } else if (!changed.empty()) {
+        tool.report_json("changed_since_relaxation", changed);
     }
     const RunResult result =
         before ? solve(std::move(*before), scene, request.run, provenance, MPI_COMM_WORLD, request.control, tool)

@@ -144,6 +144,23 @@ TEST(Scene, SaysTheNewNameOfAKeyThatWasRenamed) {
               0.01);
 }
 
+TEST(Scene, StoredInARunIsReadWithTheKeysOfItsTime) {
+    const auto text = [](const char* law) {
+        return fmt::format(
+            "[phase.a]\nlabel = 1\nlaw = \"{}\"\nnorton = {{ K = 49.1, M = 0.0714 }}\n[contact]\nbetween_objects = "
+            "true\n"
+            "[load]\nsteps = [ {{ strain = -30, rate = 1e-3 }} ]\n[accuracy]\nequilibrium_error = 0.01\n",
+            law);
+    };
+    expect_refused(text("bilin"), "6", "between_objects is called separate_objects now");
+    const Scene bilin = parse_stored_scene(text("bilin"), "s.toml"),
+                norton = parse_stored_scene(text("norton"), "s.toml");
+    EXPECT_TRUE(bilin.separate_objects);
+    EXPECT_EQ(number_of(bilin.law_accuracy, "max_equilibrium_error"), 0.01);
+    EXPECT_EQ(number_of(norton.law_accuracy, "inertia_share"), 0.01);
+    EXPECT_EQ(bilin.text, text("bilin"));
+}
+
 TEST(Scene, RefusesWhatALawDoesNotHave) {
     const auto changed = [](const std::string& piece, const std::string& replacement) {
         std::string text = porous;
