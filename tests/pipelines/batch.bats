@@ -48,6 +48,12 @@ changed_since() { find out -type f -newer "$1" ! -name log.txt ! -name status ! 
     [ "$(value_of two final_strain <out/batch.csv)" = -0.02 ]
     [ "$(value_of broken status <out/batch.csv)" = failed ]
     [[ "$(value_of broken error <out/batch.csv)" == *"cannot read volume"* ]]
+    # The flow stress is that at the end of each load, and the page says where that is.
+    [ "$(value_of one flow_abs_strain_to <out/batch.csv)" = 0.04 ]
+    [ "$(value_of two flow_abs_strain_to <out/batch.csv)" = 0.02 ]
+    [ -n "$(value_of two "flow_stress [MPa]" <out/batch.csv)" ]
+    grep -q '<small>at |strain| 0.0333 to 0.04</small>' out/index.html
+    grep -q '<small>at |strain| 0.0167 to 0.02</small>' out/index.html
     for column in particles "seed_radius [mm]" "final_stress [MPa]" fraction_inclusion "volume_change_last [%]" "cpu [s]" "peak_memory [MiB]"; do
         [ -n "$(value_of one "$column" <out/batch.csv)" ]
     done
@@ -58,6 +64,28 @@ changed_since() { find out -type f -newer "$1" ! -name log.txt ! -name status ! 
     run -1 grep -q 'href="broken/report.html"' out/index.html
     grep -q -- '--voxel-size 10um' out/one/sample.json
     run -1 grep -q -- '--voxel-size' out/two/sample.json
+}
+
+@test "the page fits a window of 1400 pixels, with every measure and long names" {
+    command -v chromium >/dev/null || skip "there is no chromium here"
+    make_stack stacks/one.tif 1
+    batch
+    # Two of one strain: it stands in the head.
+    name=nodular_cast_iron_of_the_second_casting_sample_number_17_after_annealing
+    cp stacks/one.tif "stacks/$name.tif"
+    cp -a out/one "out/$name"
+    batch collect
+    grep -q '<th>flow stress \[MPa\] at |strain| 0.0333 to 0.04</th>' out/index.html
+    PYTHONPATH=$TOMODEM_SOURCE/tests/tools/report /usr/bin/python3 - <<'END'
+from browser import Browser
+
+with Browser(1400, 900) as browser:
+    browser.open("out/index.html")
+    widths = browser.evaluate("[document.documentElement, ...document.querySelectorAll('.scroll')].map(e => [e.scrollWidth, e.clientWidth])")
+    assert all(inner <= outer <= 1400 for inner, outer in widths), widths
+    columns = browser.evaluate("document.querySelectorAll('th').length")
+    assert columns >= 12, columns
+END
 }
 
 @test "a new measure beside the tools has its columns in the table and on the page" {

@@ -418,7 +418,7 @@ class Page:
 
     def objects(self):
         if not self.run.objects:
-            raise Missing("The sample has no objects: no phase of its scene has 'objects = true', or its image none.")
+            raise Missing("The sample has no objects (objects = true of a phase in the scene, or vol2pack --objects).")
         columns = self.table_of("shape_factor", "shape_factor")
         if not len(columns["object"]):
             small = self.summary["shape_factor"].get("objects_too_small", 0)

@@ -4,6 +4,7 @@
 usage: check_picture.py size PNG WIDTH HEIGHT
        check_picture.py orange_share PNG LOW HIGH   share of orange among the pixels of particles
        check_picture.py empty_share PNG LOW HIGH    share of pixels that show the white background
+       check_picture.py dark_share PNG LOW HIGH     share of dark grey in the drawing
        check_picture.py same_scale PNG PNG          both have the same scale bar
        check_picture.py share PNG R,G,B LOW HIGH    share of pixels of this hue, light or dark, in the drawing
        check_picture.py bar PNG COLOURS             at least so many colours side by side in the upper right: a colour bar
@@ -65,6 +66,10 @@ elif what == "orange_share":
     between("share of orange", shares(first)[0], *rest)
 elif what == "empty_share":
     between("share of background", shares(first)[1], *rest)
+elif what == "dark_share":
+    image = drawing(first)
+    image = image[: len(image) * 8 // 10]  # without the axes
+    between("share of dark grey", np.mean((image.max(axis=2) < 100) & (np.ptp(image, axis=2) < 25)), *rest)
 elif what == "same_scale":
     height, width = pixels(first).shape[:2]
     bar = [pixels(path)[int(0.9 * height) :, : width // 2] for path in (first, rest[0])]

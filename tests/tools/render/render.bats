@@ -36,6 +36,32 @@ one_line() { [ "$(wc -l <<<"$stderr")" -eq 1 ]; }
     check orange_share whole.png 0 0.001
 }
 
+@test "an automatic cut goes through the only pore, off the middle, which is darker than the solid, and says where" {
+    "$here/write_run.py" off.h5 15 --pore --off
+    render off.h5 auto.png --cut auto --frame 0 --no-outline --size 600x450 --json auto.json
+    # The pore's middle is at y = 3.75 mm, its radius 3 mm.
+    /usr/bin/python3 - <<'END'
+import json
+import re
+axis, place, unit = re.fullmatch(r"(\w) = (\S+) (mm)", json.load(open("auto.json"))["cut"]).groups()
+middle = {"x": 7.5, "y": 3.75}[axis]
+assert abs(float(place) - middle) < 1.2, (axis, place)
+END
+    check dark_share auto.png 0.02 0.3
+    render off.h5 away.png --cut y --cut-place 0.75 --frame 0 --no-outline --size 600x450 --json away.json
+    grep -q '"cut": "y = 11.2 mm"' away.json
+    check dark_share away.png 0 0.002
+}
+
+@test "the cut goes with the material, so that both pictures show the same particles" {
+    render run.h5 pair.png --cut y --cut-place 0.4 --frames first,last --names before,after --size 300x225 --json pair.json
+    [ "$(echo pair*.png)" = "pair_after.png pair_before.png" ]
+    render run.h5 first.png --cut y --cut-place 0.4 --frame 0 --size 300x225 --json first.json
+    cmp first.png pair_before.png
+    shown() { grep -o '"particles_shown": [0-9]*' "$1"; }
+    [ "$(shown pair.json)" = "$(shown first.json)" ]
+}
+
 @test "one phase alone has the colour that it has in the whole" {
     render run.h5 inclusion.png --only-species 2 --no-outline --size 600x450
     check orange_share inclusion.png 0.97 1
@@ -191,6 +217,8 @@ one_line() { [ "$(wc -l <<<"$stderr")" -eq 1 ]; }
 @test "options that do not go together are wrong usage" {
     for words in "--range 1,2" "--color height --range 2,1" "--color height --range 2" "--arrows outward" "--slice-place 0.2" \
         "--pores --color object" "--objects --only-species 1" "--opacity 0.5" "--lid-radius 5mm" "--cut y --slice y" "--pores --cut x" \
+        "--cut-place 0.3" "--cut auto --cut-place 0.3" "--names a" "--frames first,last --names a" "--frames first,last --names a,a" \
+        "--frames first,last --names a,b/c" "--frames last,first" \
         "--frames all --turntable 4" "--turntable 1" "--pictures-per-second 3" "--slice y --turntable 3"; do
         # shellcheck disable=SC2086
         run -2 --separate-stderr render run.h5 no.png $words

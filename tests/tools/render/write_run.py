@@ -4,6 +4,7 @@ object for each half), two frames, the second compressed along z at constant vol
 
 usage: write_run.py OUT.h5 SPHERES_PER_EDGE           the ball is another phase
        write_run.py OUT.h5 SPHERES_PER_EDGE --pore    the ball is not there
+       write_run.py OUT.h5 SPHERES_PER_EDGE --pore --off   its middle is at a quarter of the sample along y, and it is smaller
        write_run.py OUT.h5 SPHERES_PER_EDGE --fields  with a property "height" (0 to 1 from below to above), and in the second
                                                       frame stress (zz 200 MPa, in the ball -200 MPa) and outward (from the
                                                       middle line along x, of length 1 mm)
@@ -19,6 +20,8 @@ index = np.stack(np.meshgrid(*[np.arange(edge)] * 3, indexing="ij"), axis=-1).re
 position = (index + 0.5) * 2 * radius
 centre = np.full(3, edge * radius)
 inside = np.linalg.norm(position - centre, axis=1) < 0.35 * edge
+if "--off" in sys.argv:
+    inside = np.linalg.norm(position - centre * (1, 0.5, 1), axis=1) < 0.2 * edge
 if "--pore" in sys.argv:
     index, position, inside = index[~inside], position[~inside], np.zeros(np.count_nonzero(~inside), bool)
 strain = -0.3
