@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/cli/volume_cli.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/packing/packing_file.hpp"
@@ -21,10 +22,10 @@ namespace {
 
 struct Request {
     std::filesystem::path input, picture, view_of;
-    std::int64_t frame = -1, only_species = 0, turntable = 0;
+    std::int64_t only_species = 0, turntable = 0;
     double slice_place = 0.5, opacity = 0.18, pictures_per_second = 12.0, probe_radius = 0.0, lid_radius = 0.0;
     std::string frames = "last", colour = "phase", range, cut = "none", slice = "none", arrows, press = "none", labels;
-    std::string size = "1200x900", background = "white";
+    std::string frame = "last", size = "1200x900", background = "white";
     bool objects = false, pores = false, no_outline = false;
 };
 
@@ -36,8 +37,7 @@ cli::Usage usage(Request& request) {
         .output("PICTURE", request.picture,
                 "Picture or movie to write. Several pictures are named NAME_0000.png and so on; a movie needs ffmpeg.",
                 {".png", ".mp4"})
-        .option("--frame", request.frame, cli::Unit::none, {.low = -1},
-                "Number of the frame to draw, counted from 0; -1 is the last frame.")
+        .option("--frame", request.frame, "Frame to draw: first, last or a number from 0.")
         .choice("--frames", request.frames, {"first", "last", "all"}, "Frames to draw. A movie has all of them.")
         .option("--turntable", request.turntable, cli::Unit::none, {.low = 2},
                 "Draw one frame in this number of pictures, from all sides.")
@@ -220,11 +220,7 @@ void draw_run(const Request& request, cli::Tool& tool) {
     const auto turns = static_cast<std::size_t>(request.turntable);
     const bool all = request.frames == "all" || (request.picture.extension() == ".mp4" && turns == 0);
     std::vector<std::size_t> frames = counted(run.frame_count());
-    if (!all) {
-        const auto last = static_cast<std::int64_t>(run.frame_count()) - 1;
-        frames = {static_cast<std::size_t>(request.frames == "first" ? 0 : request.frame < 0 ? last : request.frame)};
-        run.frame(frames.front());  // is it there?
-    }
+    if (!all) frames = {cli::chosen_frame(request.frames == "first" ? "first" : request.frame, run.frame_count())};
     const Subject subject(run, subject_options(request, run, tool), frames);
     const Framing framing(request);
     std::size_t shown = 0;
