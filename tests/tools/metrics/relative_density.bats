@@ -88,8 +88,8 @@ for before, now in zip(rows, rows[1:]):
     for name in ("relative_density", "relative_density_hull"):
         assert -0.005 < now[name] - before[name] < 0.1, (name, before[name], now[name])
     assert abs(now["solid_volume"] / rows[0]["solid_volume"] - 1) < 0.03
-for row, one in zip(rows, pores):
-    assert abs(one["porosity"] + row["relative_density_hull"] - 1) < 1e-6, (row, one)
+for row, one in zip(rows, pores):  # pores too small to count are in neither
+    assert abs(one["porosity"] + row["relative_density_hull"] - 1) < 0.005, (row, one)
 PYTHON
 }
 

@@ -65,7 +65,8 @@ void report_resolution(const StressResolution& resolution, cli::Tool& tool) {
     tool.report("particles_that_would_do", resolution.particles_to_do);
     tool.warn(fmt::format(
         "the stress is unreliable: the parts of the solid are {:.1f} particles across, and its law needs {:g} to carry "
-        "a stress (docs/measures.md); some {} particles would do: {:.2g} times the --pixels-per-seed of this sample",
+        "a stress (docs/measures.md); some {} particles would do, made with {:.2g} times the --pixels-per-seed of this "
+        "sample",
         resolution.particles_across, resolution.particles_needed, resolution.particles_to_do,
         resolution.particles_across / resolution.particles_needed));
 }
