@@ -55,9 +55,15 @@ std::int64_t parse_integer(const Argument& argument, const std::string& text) {
 }
 
 void check_input(const Argument& argument, const std::filesystem::path& path) {
-    if (!std::filesystem::exists(path))
+    if (std::filesystem::exists(path)) return;
+    // What solve keeps of a run until it is complete (docs/running.md).
+    if (const std::string partial = path.string() + ".partial"; std::filesystem::exists(partial))
         throw InvalidInput(
-            fmt::format("cannot read {} '{}': there is no such file or folder", argument.name, path.string()));
+            fmt::format("cannot read {} '{}': this run is unfinished; give '{}', which holds what it has written so "
+                        "far, or let it end (if solve has stopped, repeat its command with --resume)",
+                        argument.name, path.string(), partial));
+    throw InvalidInput(
+        fmt::format("cannot read {} '{}': there is no such file or folder", argument.name, path.string()));
 }
 
 void check_output(const Argument& argument, const std::filesystem::path& path) {

@@ -8,6 +8,19 @@
 #include "core/base/error.hpp"
 
 namespace tomodem::cli {
+namespace {
+
+std::size_t frame_number(const char* flag, const char* words, std::string_view choice, std::size_t frame_count) {
+    std::size_t index = 0;
+    const auto [end, error] = std::from_chars(choice.data(), choice.data() + choice.size(), index);
+    if (error != std::errc{} || end != choice.data() + choice.size())
+        throw WrongUsage(fmt::format("{} '{}': give {} or a number from 0", flag, choice, words));
+    if (index >= frame_count)
+        throw InvalidInput(fmt::format("{} {}: the file has frames 0 to {}", flag, index, frame_count - 1));
+    return index;
+}
+
+}  // namespace
 
 std::vector<std::size_t> chosen_frames(std::string_view choice, std::size_t frame_count) {
     if (choice == "first") return {0};
@@ -26,13 +39,13 @@ std::vector<std::size_t> chosen_frames(std::string_view choice, std::size_t fram
         std::iota(frames.begin(), frames.end(), 0);
         return frames;
     }
-    std::size_t index = 0;
-    const auto [end, error] = std::from_chars(choice.data(), choice.data() + choice.size(), index);
-    if (error != std::errc{} || end != choice.data() + choice.size())
-        throw WrongUsage(fmt::format("--frames '{}': give all, first, last or a number from 0", choice));
-    if (index >= frame_count)
-        throw InvalidInput(fmt::format("--frames {}: the file has frames 0 to {}", index, frame_count - 1));
-    return {index};
+    return {frame_number("--frames", "all, first, last", choice, frame_count)};
+}
+
+std::size_t chosen_frame(std::string_view choice, std::size_t frame_count) {
+    if (choice == "first") return 0;
+    if (choice == "last" || choice == "-1") return frame_count - 1;
+    return frame_number("--frame", "first, last", choice, frame_count);
 }
 
 }  // namespace tomodem::cli

@@ -15,6 +15,7 @@
 #include "core/base/error.hpp"
 #include "core/packing/structure.hpp"
 #include "core/surface/envelope.hpp"
+#include "core/surface/filling.hpp"
 
 namespace tomodem {
 namespace {
@@ -100,6 +101,19 @@ double corrected(const Pore& pore, double seed_radius, double inside_volume) {
     return std::max(0.0, pore.body.volume - bias * (pore.body.area - pore.mouth));
 }
 
+/// What the solid and the closed pores leave of the convex hull, to the pores with a mouth by their volumes.
+void share_the_hull(const Filling& filling, Pores& pores) {
+    if (!(filling.solid > 0.0)) return;
+    double left = filling.hull - filling.solid, open = 0.0;
+    for (const Pore& pore : pores.pores)
+        if (pore.mouth > 0.0)
+            open += pore.body.volume;
+        else
+            left -= pore.body.corrected_volume;
+    for (Pore& pore : pores.pores)
+        if (pore.mouth > 0.0) pore.body.corrected_volume = std::max(0.0, left) * pore.body.volume / open;
+}
+
 std::function<void(double)> share_of(const std::function<void(double)>& progress, double from, double to) {
     if (!progress) return {};
     return [=](double done) { progress(from + done * (to - from)); };
@@ -139,10 +153,10 @@ double Pores::mouth() const {
     return sum;
 }
 
-double default_lid_radius(std::span<const Vec3> centres) {
+double default_lid_radius(std::span<const Vec3> centres, bool open_structure) {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (const Vec3& centre : centres) low = low.cwiseMin(centre), high = high.cwiseMax(centre);
-    return 0.5 * (high - low).minCoeff();
+    return open_structure ? 10.0 * (high - low).maxCoeff() : 0.5 * (high - low).minCoeff();
 }
 
 void Pores::leave_out_below(double min_volume) {
@@ -221,10 +235,12 @@ Pores find_pores(std::span<const Vec3> centres, const PoreSearch& search) {
         const double area = (surface.mesh.vertices[b] - origin).cross(surface.mesh.vertices[c] - origin).norm() / 2.0;
         result.pores[k].mouth += area * at_lid / 3.0;  // those at the rim lean on the wall
     }
-    for (Pore& pore : result.pores)
-        pore.body.corrected_volume = corrected(pore, search.seed_radius, surface.inside_volume);
+    const Filling filling = search.seed_radius > 0.0 ? filling_of(centres, search.seed_radius) : Filling();
+    const double particle = filling.particle > 0.0 ? filling.particle : surface.inside_volume;
+    for (Pore& pore : result.pores) pore.body.corrected_volume = corrected(pore, search.seed_radius, particle);
     result.surface = pore_surface(surface);
-    result.solid = double(centres.size()) * surface.inside_volume;
+    result.solid = double(centres.size()) * particle;
+    if (search.open_structure) share_the_hull(filling, result);
     return result;
 }
 

@@ -25,6 +25,10 @@ struct PoreSearch {
     /// [mm]: a ball of this radius rolls over the sample from outside, and what it cannot enter is under a lid; 0: no
     /// lids, and what has a way out is no pore.
     double lid_radius = 0.0;
+    /// The lid is nearly the convex hull, of a structure that is open (filling.hpp): its struts are too thin for the
+    /// layer that is subtracted at the wall of a pore, so the pores with a mouth have what the solid leaves of the
+    /// hull.
+    bool open_structure = false;
     std::function<void(double)> progress = {};  ///< from 0 to 1
 };
 
@@ -39,9 +43,13 @@ struct Pores {
     void leave_out_below(double min_volume);
 };
 
-/// Default radius [mm] of the ball that rolls over the outside: half of the shortest edge of the box
-/// around the centres, so that it enters what is as wide as the sample itself.
-double default_lid_radius(std::span<const Vec3> centres);
+/// Default radius [mm] of the ball that rolls over the outside, for all frames of a run.
+///
+/// Half of the shortest edge of the box around the centres, so that it enters what is as wide as the sample itself. Of
+/// an open structure, into which such a ball falls as its gaps move, ten times the longest edge: nearly the convex
+/// hull.
+/// @param centres  of the first frame
+double default_lid_radius(std::span<const Vec3> centres, bool open_structure);
 
 /// Numbers that stay with a pore from frame to frame: a pore takes that of the earlier pore with which it shares the
 /// largest number of centres, if that is at least a fifth of the smaller set; the larger pores choose first, and a new

@@ -12,6 +12,7 @@
 #include "core/base/parallel.hpp"
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/mesh/vtp_file.hpp"
 #include "core/packing/packing_file.hpp"
@@ -24,8 +25,8 @@ namespace fs = std::filesystem;
 struct Request {
     fs::path packing, mesh, table;
     double probe_radius = 0.0, lid_radius = 0.0;  // mm; 0: one particle diameter, no lid
-    std::int64_t frame = -1, species = 0, object = 0;
-    std::string frames = "last";
+    std::int64_t species = 0, object = 0;
+    std::string frame = "last", frames = "last";
     bool pores = false, each_object = false, correct_envelope = false;
 };
 
@@ -41,8 +42,7 @@ cli::Usage usage(Request& request) {
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
                 "Fill the gaps between centres that a ball of this radius cannot enter; the default is one particle "
                 "diameter.")
-        .option("--frame", request.frame, cli::Unit::none, {.low = -1},
-                "Take this frame of the run, counted from 0; -1 is the last.")
+        .option("--frame", request.frame, "Take this frame of the run: first, last or a number from 0.")
         .choice("--frames", request.frames, {"first", "last", "all"}, "Take these frames of the run.")
         .option("--species", request.species, cli::Unit::none, cli::positive, "Take only the phase of this label.")
         .option("--object", request.object, cli::Unit::none, cli::positive, "Take only the object of this number.")
@@ -125,14 +125,10 @@ void write(const Reconstruction& result, const fs::path& path) {
 
 void run(const Request& request, cli::Tool& tool) {
     const RunReader reader(request.packing);
-    std::vector<std::size_t> frames;
-    const auto last = std::int64_t(reader.frame_count()) - 1;
-    const std::int64_t frame = request.frame >= 0 ? request.frame : request.frames == "first" ? 0 : last;
-    if (frame > last)
-        throw InvalidInput(fmt::format("cannot read '{}': there is no frame {}; it has frames 0 to {}",
-                                       request.packing.string(), frame, last));
     const bool all = request.frames == "all";
-    for (std::int64_t i = all ? 0 : frame; i <= (all ? last : frame); ++i) frames.push_back(std::size_t(i));
+    const std::vector<std::size_t> frames = tool.given("--frame")
+                                                ? std::vector{cli::chosen_frame(request.frame, reader.frame_count())}
+                                                : cli::chosen_frames(request.frames, reader.frame_count());
     const bool collection = request.mesh.extension() == ".pvd";
     if (collection && !all)
         throw InvalidInput(

@@ -27,12 +27,12 @@ namespace {
 
 struct Request {
     std::filesystem::path input, picture, view_of;
-    std::int64_t frame = -1, only_species = 0, turntable = 0;
+    std::int64_t only_species = 0, turntable = 0;
     double cut_place = 0.5, slice_place = 0.5, opacity = 0.18, pictures_per_second = 12.0, probe_radius = 0.0,
            lid_radius = 0.0;
     std::string frames = "last", colour = "phase", range, cut = "none", slice = "none", arrows, press = "none", labels,
                 names;
-    std::string size = "1200x900", background = "white";
+    std::string frame = "last", size = "1200x900", background = "white";
     bool objects = false, pores = false, no_outline = false;
 };
 
@@ -44,8 +44,7 @@ cli::Usage usage(Request& request) {
         .output("PICTURE", request.picture,
                 "Picture or movie to write. Several pictures are named NAME_0000.png and so on; a movie needs ffmpeg.",
                 {".png", ".mp4"})
-        .option("--frame", request.frame, cli::Unit::none, {.low = -1},
-                "Number of the frame to draw, counted from 0; -1 is the last frame.")
+        .option("--frame", request.frame, "Frame to draw: first, last or a number from 0.")
         .option("--frames", request.frames,
                 "Frames to draw: all, first, last, a number from 0, or several as 0,5,last. A movie has all of them.")
         .option("--names", request.names,
@@ -272,12 +271,9 @@ void draw_run(const Request& request, cli::Tool& tool) {
     const auto turns = static_cast<std::size_t>(request.turntable);
     const bool all = request.frames == "all" || (request.picture.extension() == ".mp4" && turns == 0);
     std::vector<std::size_t> frames = counted(run.frame_count());
-    if (!all && !tool.given("--frame")) frames = cli::chosen_frames(request.frames, run.frame_count());
-    if (!all && tool.given("--frame")) {
-        const auto last = static_cast<std::int64_t>(run.frame_count()) - 1;
-        frames = {static_cast<std::size_t>(request.frame < 0 ? last : request.frame)};
-        run.frame(frames.front());  // is it there?
-    }
+    if (!all)
+        frames = tool.given("--frame") ? std::vector{cli::chosen_frame(request.frame, run.frame_count())}
+                                       : cli::chosen_frames(request.frames, run.frame_count());
     std::vector<std::string> endings;
     if (turns > 0)
         endings = numbered(counted(turns));

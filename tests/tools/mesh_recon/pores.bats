@@ -61,6 +61,68 @@ PYTHON
     [ "$(value components mesh.json)" -eq 1 ]
 }
 
+@test "each pore of ten particles across or more has the volume and sphericity of its voxels by marching cubes" {
+    local measure="$TOMODEM_SOURCE/tests/tools/mesh_recon/against_marching_cubes.py"
+    /usr/bin/python3 "$measure" image 1 image.h5
+    for density in 0.64 0.70; do
+        "$TOMODEM_BIN/packgen" brick.h5 --particles 20000 --density $density --quiet
+        "$TOMODEM_BIN/vol2pack" brick.h5 image.h5:/labels sample.h5 --voxel-size 1um --pixels-per-seed 1 --quiet 2>/dev/null
+        "$pores" sample.h5 table.csv --each each.csv --quiet
+        /usr/bin/python3 "$measure" compare image.h5 1e-3 each.csv
+    done
+}
+
+# walls WIDTH ...: run.h5, a hollow cube of particles with a window of that width in its upper face, wider from frame to frame.
+walls() {
+    /usr/bin/python3 - "$@" <<'PYTHON'
+import sys, h5py, numpy as np
+at = np.arange(18.0)
+x, y, z = (c.ravel() for c in np.meshgrid(at, at, at, indexing="ij"))
+shell = np.minimum.reduce([x, y, z, 17 - x, 17 - y, 17 - z]) < 1.5
+window = (np.abs(x - 8.5) < 3) & (np.abs(y - 8.5) < 3) & (z > 15)
+first = np.stack([x, y, z], axis=1)[shell & ~window]
+first += np.random.default_rng(1).uniform(-0.05, 0.05, first.shape)
+frames = []
+for width in map(float, sys.argv[1:]):
+    moved = first.copy()
+    top = moved[:, 2] > 15
+    for c in (0, 1):  # the upper face is pushed apart from its middle
+        moved[top, c] += np.sign(moved[top, c] - 8.5) * (width - 7) / 2
+    frames.append(moved)
+with h5py.File("run.h5", "a") as file:
+    particles = file["particles/all"]
+    for name in ("id", "species"):
+        del particles[name]
+    particles["id"], particles["species"] = np.arange(1, len(first) + 1), np.ones(len(first), np.int32)
+    for name in list(particles["position"]):
+        del particles["position"][name]
+    particles["position/value"], particles["position/step"] = np.stack(frames), np.arange(len(frames))
+    particles["position/time"] = np.arange(len(frames), dtype=float)
+    for name in list(file["observables"]):
+        del file["observables"][name]
+    curve = file.create_group("observables/strain")
+    curve["value"], curve["step"] = np.linspace(0, -0.02, len(frames)), np.arange(len(frames))
+    curve["time"] = np.arange(len(frames), dtype=float)
+    curve.attrs["unit"] = ""
+PYTHON
+}
+
+@test "a lid that falls into the structure between two frames is a warning, and the advice in it helps" {
+    "$synthetic_run" run.h5 cells=6
+    walls 7 7.4 8.2 8.6
+    run --separate-stderr "$pores" run.h5 table.csv --lid-radius 3.9mm
+    [ "$status" -eq 0 ]
+    [[ "$stderr" == *"between frames 1 and 2 the volume of the pores goes from"*"give a larger --lid-radius"* ]]
+    run --separate-stderr "$pores" run.h5 table.csv --lid-radius 6mm
+    [ -z "$stderr" ]
+    # Without the option: one lid for all frames, of the first.
+    run --separate-stderr "$pores" run.h5 table.csv --json out.json
+    [ -z "$stderr" ]
+    close "$(value lid_radius out.json)" 8.5 0.01
+    "$pores" run.h5 last.csv --frames last --json last.json --quiet
+    [ "$(tail -1 last.csv)" = "$(tail -1 table.csv)" ]
+}
+
 @test "a solid has no pores, whatever the roughness of its faces; two probes see it" {
     phantom "x > 2"
     "$pores" sample.h5 table.csv --json out.json

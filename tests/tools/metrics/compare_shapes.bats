@@ -62,6 +62,10 @@ PYTHON
     compare_shapes run.h5 phantom.tif moved.csv --frame 1 --objects 2 --json moved.json
     compare_shapes run.h5 phantom.tif aligned.csv --frame 1 --objects 2 --align centre --json aligned.json
     compare_shapes run.h5 phantom.tif pressed.csv --objects 2 --json pressed.json
+    compare_shapes run.h5 phantom.tif last.csv --frame last --objects 2
+    cmp last.csv pressed.csv
+    compare_shapes run.h5 phantom.tif first.csv --frame first --objects 2
+    cmp first.csv same.csv
     /usr/bin/python3 - <<'PYTHON'
 import csv, json, math
 table = {n: list(csv.DictReader(open(f"{n}.csv"))) for n in ("same", "moved", "aligned", "pressed")}
@@ -115,7 +119,7 @@ np.zeros((80, 80, 80), "u1").tofile("void.raw")'
     fails 2 "exclude each other" compare_shapes sample.h5 phantom.tif out.csv --objects 2 --pores
     fails 2 "--exclude-boundary belongs to objects" compare_shapes sample.h5 phantom.tif out.csv --pores --exclude-boundary
     fails 2 "--min-particles belongs to objects" compare_shapes sample.h5 phantom.tif out.csv --pores --min-particles 9
-    fails 1 "has no frame 3: its frames are 0 to 0" compare_shapes sample.h5 phantom.tif out.csv --objects 2 --frame 3
+    fails 1 "--frame 3: the file has frames 0 to 0" compare_shapes sample.h5 phantom.tif out.csv --objects 2 --frame 3
     fails 1 "has no objects" compare_shapes plain.h5 phantom.tif out.csv --objects 2
     fails 1 "--objects 5: the image has no such label" compare_shapes sample.h5 phantom.tif out.csv --objects 5
     fails 1 "check --voxel-size" compare_shapes sample.h5 phantom.tif out.csv --objects 2 --bin 2 --roi 0:40,0:40,0:40

@@ -74,6 +74,60 @@ for row in rows:
 PYTHON
 }
 
+@test "each object has the displacement and rotation that it was given, in the table and for ParaView" {
+    "$TOMODEM_BIN/packgen" brick.h5 --particles 3000 --density 0.64 --quiet
+    PYTHONPATH="$TOMODEM_SOURCE/bench/metrics" /usr/bin/python3 - "$TOMODEM_BIN/object_shapes" <<'PYTHON'
+import csv, json, subprocess, sys
+import h5py, numpy as np
+from ellipsoid_packing import ellipsoid, read_brick, write_objects
+from scipy.spatial.transform import Rotation
+brick, random = read_brick("brick.h5"), np.random.default_rng(5)
+objects = [ellipsoid(brick, count, 0.6, random) for count in (300, 30, 100)]
+objects.append(np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]))  # in a row: too small for a shape, without a rotation
+write_objects("run.h5", objects, brick[2])
+angles = np.array([1e-4, 170.0, 25.0, 40.0])
+turns = [Rotation.from_rotvec(np.radians(angle) * axis / np.linalg.norm(axis))
+         for angle, axis in zip(angles, random.normal(size=(4, 3)))]
+ways = random.normal(size=(4, 3))
+with h5py.File("run.h5", "a") as file:
+    position = file["particles/all/position"]
+    first = position["value"][0]
+    number = file["particles/all/object"][:]
+    last = first.copy()
+    for k in range(4):
+        its, middle = number == k + 1, first[number == k + 1].mean(axis=0)
+        last[its] = turns[k].apply(first[its] - middle) + middle + ways[k]
+    for name in list(position):
+        del position[name]
+    position["value"], position["step"], position["time"] = np.stack([first, last]), [0, 1], [0.0, 1.0]
+    curve = file.create_group("observables/strain")
+    curve["value"], curve["step"], curve["time"] = [0.0, -0.1], [0, 1], [0.0, 1.0]
+    curve.attrs["unit"] = ""
+subprocess.run([sys.argv[1], "run.h5", "out.csv", "--fields", "motion.h5", "--json", "out.json", "--quiet"], check=True)
+rows = [row for row in csv.DictReader(open("out.csv")) if row["frame [-]"] == "1"]
+assert [row["object [-]"] for row in rows] == ["1", "2", "3"]
+for k, row in enumerate(rows):
+    way = [float(row[f"displacement_{c} [mm]"]) for c in "xyz"]
+    turn = [float(row[f"rotation_{c} [degree]"]) for c in "xyz"]
+    assert np.abs(way - ways[k]).max() < 1e-6, (way, ways[k])
+    assert np.abs(turn - np.degrees(turns[k].as_rotvec())).max() < 1e-6, (turn, turns[k].as_rotvec())
+    assert abs(float(row["rotation [degree]"]) - angles[k]) < 1e-6 and float(row["deformation_rms [mm]"]) < 1e-6
+summary = json.load(open("out.json"))
+assert abs(summary["displacement_last"] - np.linalg.norm(ways[:3], axis=1).mean()) < 1e-6
+assert abs(summary["rotation_last"] - angles[:3].mean()) < 1e-6
+with h5py.File("motion.h5") as file:
+    way, turn = (file[f"particles/all/{name}/value"][-1] for name in ("object_displacement", "object_rotation"))
+for k in range(4):
+    its = number == k + 1
+    assert np.abs(way[its] - ways[k]).max() < 1e-6
+    if k < 3:
+        assert np.abs(turn[its] - np.degrees(turns[k].as_rotvec())).max() < 1e-6
+    else:
+        assert np.isnan(turn[its]).all()
+PYTHON
+    grep -q object_rotation motion.xdmf
+}
+
 @test "frames are chosen, and the table is the same on one thread and two" {
     "$synthetic_run" run.h5 objects=1 cells=14 frames=3
     object_shapes run.h5 all.csv --threads 1

@@ -22,6 +22,47 @@ assert numpy.array_equal(t[:, 2], -t[:, 1]) and numpy.array_equal(t[:, 4], -t[:,
 assert abs(t[350, 1] + 0.175) < 1e-9 and (t[:, 5] <= t[:, 3]).all()'
 }
 
+@test "a stress that the particles cannot carry is called unreliable, with the number that would do" {
+    "$synthetic_run" run.h5 K=50 cells=7
+    run --separate-stderr "$TOMODEM_BIN/stress_strain" run.h5 out.csv --json out.json
+    [ -z "$stderr" ]
+    [ "$(value stress_reliable out.json)" = yes ]
+    [[ "$output" != *unreliable* && "$output" != *would_do* ]]
+    # The same curve with two of three rows of particles across the load only: rods of 2 x 2.
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy as np
+with h5py.File("run.h5", "a") as file:
+    particles = file["particles/all"]
+    first = particles["position/value"][0]
+    kept = np.flatnonzero((first[:, :2] % 3 < 1.5).all(axis=1))
+    for name in ("id", "species"):
+        values = particles[name][:][kept]
+        del particles[name]
+        particles[name] = values
+    values = particles["position/value"][:][:, kept]
+    del particles["position/value"]
+    particles["position/value"] = values
+PYTHON
+    run --separate-stderr "$TOMODEM_BIN/stress_strain" run.h5 out.csv --json out.json
+    [ "$status" -eq 0 ]
+    [ "$(wc -l <<<"$stderr")" -eq 1 ] || { echo "$stderr"; return 1; }
+    [[ "$stderr" == *"the stress is unreliable: the parts of the solid are 1.7 particles across"*"particles would do"* ]]
+    [ "$(value stress_reliable out.json)" = no ]
+    [ "$(value flow_stress_unreliable out.json)" = "$(value flow_stress out.json)" ]
+    /usr/bin/python3 -c "assert 5 < $(value particles_that_would_do out.json) / 288 < 6"
+    "$synthetic_run" run.h5 equilibrium_error=0.96
+    run --separate-stderr "$TOMODEM_BIN/stress_strain" run.h5 out.csv --json out.json
+    [[ "$stderr" == *"the forces of the two planes differ by 96 %"* ]]
+    [ "$(value stress_reliable out.json)" = no ]
+}
+
+@test "a run that is only partial is called unfinished, and what it holds can be measured" {
+    "$synthetic_run" whole.h5
+    mv whole.h5 run.h5.partial
+    fails 1 "this run is unfinished; give 'run.h5.partial'" "$TOMODEM_BIN/stress_strain" run.h5 out.csv
+    "$TOMODEM_BIN/stress_strain" run.h5.partial curve.csv --quiet
+}
+
 @test "without averaging the table is the curve itself" {
     "$synthetic_run" run.h5
     "$TOMODEM_BIN/stress_strain" run.h5 out.csv --averaging-strain 0

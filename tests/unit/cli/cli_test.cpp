@@ -1,4 +1,5 @@
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/cli/help.hpp"
 
 #include <gmock/gmock.h>
@@ -119,6 +120,20 @@ TEST(CommandLine, FailureIsOneLineAndStatusOne) {
     EXPECT_EQ(failed.err, "try: broken; mend it\n");
 }
 
+TEST(CommandLine, ARunThatIsUnfinishedIsCalledThat) {
+    const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("cli-u" + std::to_string(getpid()));
+    std::filesystem::create_directory(folder);
+    const std::string run = folder / "run.h5";
+    std::ofstream(run + ".partial") << "frames so far";
+    const Outcome outcome = call({run, "out"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.err, "try: cannot read INPUT '" + run + "': this run is unfinished; give '" + run +
+                               ".partial', which holds what it has written so far, or let it end (if solve has "
+                               "stopped, repeat its command with --resume)\n");
+    EXPECT_EQ(call({run + ".partial", "out"}).status, 0);
+    std::filesystem::remove_all(folder);
+}
+
 TEST(CommandLine, AnInputIsNotOverwritten) {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("cli-" + std::to_string(getpid()));
     std::filesystem::create_directory(folder);
@@ -194,6 +209,17 @@ TEST(CommandLine, NamesOfPositionalsAreInCapitals) {
     EXPECT_THROW(Usage("try", "Try.").input("sample", path, "Sample."), std::logic_error);
     EXPECT_THROW(Usage("try", "Try.").output("Table", path, "Table."), std::logic_error);
     EXPECT_NO_THROW(Usage("try", "Try.").input("SAMPLE_2", path, "Sample.").input_option("--scene", path, "Scene."));
+}
+
+TEST(ChosenFrame, IsFirstLastOrANumber) {
+    EXPECT_EQ(chosen_frame("first", 5), 0u);
+    EXPECT_EQ(chosen_frame("last", 5), 4u);
+    EXPECT_EQ(chosen_frame("-1", 5), 4u);
+    EXPECT_EQ(chosen_frame("3", 5), 3u);
+    EXPECT_THAT([] { chosen_frame("5", 5); },
+                testing::ThrowsMessage<InvalidInput>(HasSubstr("--frame 5: the file has frames 0 to 4")));
+    EXPECT_THAT([] { chosen_frame("all", 5); },
+                testing::ThrowsMessage<WrongUsage>(HasSubstr("--frame 'all': give first, last or a number from 0")));
 }
 
 TEST(CommandLine, DescribesItselfToPrograms) {

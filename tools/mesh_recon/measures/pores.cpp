@@ -16,6 +16,7 @@
 #include "core/cli/frames_cli.hpp"
 #include "core/law/self_contact.hpp"
 #include "core/packing/packing_file.hpp"
+#include "core/surface/filling.hpp"
 #include "core/surface/pore_search.hpp"
 #include "core/surface/reconstruction.hpp"
 #include "tools/metrics/curves/strain_curves.hpp"
@@ -50,9 +51,10 @@ cli::Usage usage(Request& request) {
                 "particle diameter with lids, 0.9 with two-probes and 2 with outward-vectors.")
         .option(
             "--lid-radius", request.lid_radius, cli::Unit::length, cli::positive,
-            "Close the mouth of a pore that a ball of this radius cannot enter from outside; the default is half of "
-            "the sample's shortest edge. With two-probes, it is the radius of the large probe; the default is five "
-            "particle diameters.")
+            "Close the mouth of a pore that a ball of this radius cannot enter from outside. The default is half of "
+            "the sample's shortest edge in the first frame; for an open structure (less than half solid) it is ten "
+            "times its longest edge, nearly the convex hull. With two-probes, it is the radius of the large probe; the "
+            "default is five particle diameters.")
         .flag("--closed-only", request.closed_only,
               "Measure only closed pores, those without an opening to the outside of the sample.")
         .option("--min-pore", request.min_pore, cli::Unit::none, cli::not_negative,
@@ -74,17 +76,45 @@ cli::Usage usage(Request& request) {
                               {"open_pores_last", "pores with a mouth", ""},
                               {"open_pores", "pores with a mouth", ""},
                               {"volume_corrected_last", "volume of the pores", "mm³"},
-                              {"volume_corrected", "volume of the pores", "mm³"}},
+                              {"volume_corrected", "volume of the pores", "mm³"},
+                              {"lid_radius", "radius of the ball whose surface is the lid", "mm"}},
                   .x = {"strain", "true strain", ""},
                   .curves = {{"porosity", "porosity", "%", 100}}})
         .example("pores run.h5 pores.csv --each each_pore.csv")
         .example("pores run.h5 two_probes.csv --method two-probes --closed-frame 12");
 }
 
+/// The lid of all frames, and the particles that it lies over.
+struct LidOfRun {
+    double radius = 0.0;  ///< [mm]; 0: none
+    bool open_structure = false;
+    std::vector<std::int32_t> particles{};  ///< of an open structure, those that have not come loose; empty: all
+};
+
+/// Chosen from the first frame, so that it does not jump where the sample changes its shape.
+LidOfRun lid_of_run(const Request& request, const RunReader& reader, cli::Tool& tool) {
+    if (request.closed_only || request.method == "two-probes") return {};
+    if (tool.given("--lid-radius")) return {.radius = request.lid_radius};
+    const Packing& first = reader.packing();
+    if (request.method == "lids") {
+        LidOfRun lid;
+        lid.particles =
+            without_loose(reader.frame(reader.frame_count() - 1).position, first.seed_radius, tool.threads());
+        const std::vector<Vec3> centres = centres_of(first.position, lid.particles);
+        lid.open_structure = is_open(filling_of(centres, first.seed_radius));
+        if (lid.open_structure) {
+            lid.radius = default_lid_radius(centres, true);
+            return lid;
+        }
+    }
+    return {.radius = default_lid_radius(first.position, false)};
+}
+
 /// What the method says of one frame.
 struct Measure {
-    Pores pores;
+    Pores pores{};
     double difference = 0.0;  // of two probes [mm^3]
+    double box = 0.0;         // the smallest around the centres [mm^3]
 };
 
 Table::Cell cell(double value) {
@@ -109,21 +139,47 @@ void check_probe(double probe_radius, double seed_radius) {
                         probe_radius, diameters, 0.9 * default_probe_radius(seed_radius)));
 }
 
+double box_volume(const std::vector<Vec3>& centres) {
+    Vec3 low = centres.front(), high = low;
+    for (const Vec3& centre : centres) low = low.cwiseMin(centre), high = high.cwiseMax(centre);
+    return (high - low).prod();
+}
+
+/// The volume of the pores can change by what the box of the sample changes, and by the work of the flow within it. A
+/// tenth of the box is more than any of the latter between two frames; a lid that falls through a gap, or closes over
+/// one, moves more.
+void warn_of_jumps(const std::vector<std::size_t>& frames, const std::vector<Measure>& measures, double lid_radius,
+                   cli::Tool& tool) {
+    for (std::size_t k = 1; k < measures.size(); ++k) {
+        const Measure &before = measures[k - 1], &now = measures[k];
+        const double change = std::abs(now.pores.volume() - before.pores.volume());
+        if (change <= std::abs(now.box - before.box) + 0.1 * std::max(now.box, before.box)) continue;
+        tool.warn(fmt::format(
+            "between frames {} and {} the volume of the pores goes from {:.3g} to {:.3g} mm^3, more than the strain "
+            "between them can explain: a ball of {:.3g} mm enters the structure in one of them and not in the other; "
+            "give a larger --lid-radius, or measure relative_density, which needs no lid",
+            frames[k - 1], frames[k], before.pores.volume(), now.pores.volume(), lid_radius));
+        return;
+    }
+}
+
 Measure measure(const Request& request, const RunReader& reader, std::size_t index, double probe_radius,
-                cli::Tool& tool) {
+                const LidOfRun& lid, cli::Tool& tool) {
     const Packing& packing = reader.packing();
     const Frame frame = reader.frame(index);
-    const std::vector<Vec3>& centres = frame.position;
+    const std::vector<Vec3> centres =
+        lid.particles.empty() ? frame.position : centres_of(frame.position, lid.particles);
     require_smaller_probe(centres, probe_radius);
-    Measure result;
+    Measure result{.box = box_volume(centres)};
     if (request.method == "two-probes") {
         result.difference = probe_difference(
             centres, probe_radius, tool.given("--lid-radius") ? request.lid_radius : 10.0 * packing.seed_radius);
         return result;
     }
-    PoreSearch search{.probe_radius = probe_radius, .seed_radius = packing.seed_radius};
-    if (!request.closed_only)
-        search.lid_radius = tool.given("--lid-radius") ? request.lid_radius : default_lid_radius(centres);
+    const PoreSearch search{.probe_radius = probe_radius,
+                            .seed_radius = packing.seed_radius,
+                            .lid_radius = lid.radius,
+                            .open_structure = lid.open_structure};
     if (request.method == "lids") {
         result.pores = find_pores(centres, search);
     } else {
@@ -170,6 +226,7 @@ void run(const Request& request, cli::Tool& tool) {
     if (tool.given("--closed-frame")) closed = checked_frame(request.closed_frame, reader);
 
     const std::vector<std::size_t> frames = cli::chosen_frames(request.frames, reader.frame_count());
+    const LidOfRun lid = lid_of_run(request, reader, tool);
     const std::size_t count = frames.size();
     const auto progress = tool.progress("frames", double(count));
     std::vector<Measure> measures(count);
@@ -178,14 +235,14 @@ void run(const Request& request, cli::Tool& tool) {
     parallel_for(std::int64_t(count), tool.threads(), [&](std::int64_t k) {
         const std::size_t frame = frames[std::size_t(k)];
         try {
-            measures[k] = measure(request, reader, frame, probe_radius, tool);
+            measures[std::size_t(k)] = measure(request, reader, frame, probe_radius, lid, tool);
         } catch (const InvalidInput& error) {
             throw InvalidInput(fmt::format("frame {}: {}", frame, error.what()));
         }
         const std::scoped_lock lock(mutex);
         progress->update(double(++done));
     });
-    const double reference = closed ? measure(request, reader, *closed, probe_radius, tool).difference : 0.0;
+    const double reference = closed ? measure(request, reader, *closed, probe_radius, lid, tool).difference : 0.0;
 
     Table table({"frame [-]", "time [s]", "strain [-]", "abs_strain [-]", "pores [-]", "open_pores [-]",
                  "volume [mm^3]", "volume_corrected [mm^3]", "porosity [-]", "mouth_area [mm^2]", "largest [mm^3]",
@@ -232,6 +289,14 @@ void run(const Request& request, cli::Tool& tool) {
 
     tool.report("frames", std::int64_t(count));
     tool.report("probe_radius", probe_radius, "mm");
+    if (lid.radius > 0.0) {
+        tool.report("lid_radius", lid.radius, "mm");
+        tool.report("lid", std::string(tool.given("--lid-radius") ? "given"
+                                       : lid.open_structure       ? "convex hull"
+                                                                  : "half of the shortest edge in the first frame"));
+        if (lid.open_structure)
+            tool.report("loose_particles", std::int64_t(reader.packing().size() - lid.particles.size()));
+    }
     for (const bool last : {false, true}) {
         if (!last && count == 1) continue;
         const nlohmann::ordered_json& row = last ? rows.back() : rows.front();
@@ -247,6 +312,7 @@ void run(const Request& request, cli::Tool& tool) {
             tool.report("porosity" + suffix, porosity);
     }
     tool.report_json("frame_rows", rows);
+    if (request.method == "lids" && lid.radius > 0.0) warn_of_jumps(frames, measures, lid.radius, tool);
     if (request.method == "lids" && std::abs(probe_radius / default_probe_radius(seed_radius) - 1.0) > 0.05)
         tool.warn(
             "the corrected volumes and the porosity are calibrated for a probe of one particle diameter; a smaller one "

@@ -12,6 +12,7 @@
 #include "core/base/error.hpp"
 #include "core/base/table.hpp"
 #include "core/cli/cli.hpp"
+#include "core/cli/frames_cli.hpp"
 #include "core/cli/volume_cli.hpp"
 #include "core/volume/regions.hpp"
 #include "tools/metrics/curves/strain_curves.hpp"
@@ -26,8 +27,8 @@ using namespace tomodem::shapes;
 struct Request {
     std::filesystem::path run, table;
     VolumeRequest volume;
-    std::string objects, label_objects, connectivity = "6", align = "none";
-    std::int64_t frame = -1, min_particles = 20, min_voxels = 27;
+    std::string frame = "last", objects, label_objects, connectivity = "6", align = "none";
+    std::int64_t min_particles = 20, min_voxels = 27;
     bool exclude_boundary = false, pores = false;
 };
 
@@ -40,8 +41,7 @@ cli::Usage usage(Request& request) {
     add_volume(usage, request.volume)
         .output("TABLE", request.table,
                 "Table to write, with one row for each pair of objects and each object without a partner.", {".csv"})
-        .option("--frame", request.frame, cli::Unit::none, {.low = -1},
-                "Compare this frame of the run, counted from 0; -1 is the last.")
+        .option("--frame", request.frame, "Compare this frame of the run: first, last or a number from 0.")
         .option(
             "--objects", request.objects,
             "Take each connected component of these labels of the image as an object, as 2,3; all takes every label "
@@ -266,11 +266,7 @@ void run(const Request& request, cli::Tool& tool) {
         throw WrongUsage("--min-particles belongs to objects; pores are chosen by --min-voxels");
     const ObjectLabels labels = parse_objects(request);
     const RunReader reader(request.run);
-    const auto last = std::int64_t(reader.frame_count()) - 1;
-    const std::int64_t frame = request.frame < 0 ? last : request.frame;
-    if (frame > last)
-        throw InvalidInput(
-            fmt::format("'{}' has no frame {}: its frames are 0 to {}", request.run.string(), frame, last));
+    const std::size_t frame = cli::chosen_frame(request.frame, reader.frame_count());
     const int axis = load_axis(reader, request.run);
     Packing packing = reader.packing();
     const BodyChoice choice{request.min_voxels, request.exclude_boundary, axis};
@@ -279,7 +275,7 @@ void run(const Request& request, cli::Tool& tool) {
         objects_of_run = choose_objects(packing, {.min_particles = std::size_t(request.min_particles),
                                                   .exclude_boundary = request.exclude_boundary})
                              .used;
-    packing.position = reader.frame(std::size_t(frame)).position;
+    packing.position = reader.frame(frame).position;
 
     LabelVolume image = read_volume(request.volume, volume_options(request.volume), tool);
     Vec3 shift = Vec3::Zero();
@@ -292,8 +288,8 @@ void run(const Request& request, cli::Tool& tool) {
     require_same_place(image, packing);
     const auto finish = [&](const Comparison& comparison) {
         write_pairs(comparison.matches, request.table, tool);
-        tool.report("frame", frame);
-        tool.report("strain", frame_strain(reader, std::size_t(frame)));
+        tool.report("frame", std::int64_t(frame));
+        tool.report("strain", frame_strain(reader, frame));
         for (int c = 0; c < 3; ++c) tool.report(fmt::format("run_moved_{}", "xyz"[c]), shift[c], "mm");
         report_matches(comparison.matches, tool);
         report_phases(comparison, tool);
