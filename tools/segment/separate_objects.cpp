@@ -98,11 +98,12 @@ void report(const Separation& separation, const LabelVolume& before, cli::Tool& 
                          {"voxels", one.voxels}});
         const std::int64_t largest = *std::max_element(one.voxels.begin(), one.voxels.end());
         const double share = static_cast<double>(largest) / static_cast<double>(before.histogram().at(one.label));
-        if (one.voxels.size() > 1 && share > 0.5)
+        constexpr std::size_t many = 10;
+        if (one.voxels.size() >= many && share > 0.5)
             tool.warn(
-                fmt::format("one object holds {:.0f} % of label {}: if that label is a matrix or a network, it "
-                            "has no objects to separate; else give a smaller --min-depth",
-                            100 * share, one.label));
+                fmt::format("one of the {} objects of label {} holds {:.0f} % of it: if it is several that touch, give "
+                            "a smaller --min-depth; the others may be specks (--min-voxels)",
+                            one.voxels.size(), one.label, 100 * share));
     }
     std::sort(voxels.begin(), voxels.end());
     const std::int64_t median = voxels[voxels.size() / 2];

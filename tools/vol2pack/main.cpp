@@ -56,10 +56,10 @@ cli::Usage usage(Request& request) {
                 "Names of the labels, as 1=matrix,2=inclusion; if given, every label of the image needs one.")
         .option("--objects", request.objects,
                 "Labels whose connected components become separate objects, as 2,3, or all; without it, none.")
-        .option(
-            "--label-objects", request.label_objects,
-            "Make each of these labels of the image one object (watershed); 2:500=1 makes the labels 2 to 500 objects "
-            "of label 1 in the sample.")
+        .option("--label-objects", request.label_objects,
+                "Make each of these labels of the image one object, as separate_objects prints them; 2:500=1 makes "
+                "those of the "
+                "labels 2 to 500 that occur objects of label 1 in the sample.")
         .choice("--connectivity", request.connectivity, {"6", "18", "26"},
                 "Neighbours of a voxel: those that share a face with it, an edge too, or a corner too.")
         .option("--min-component", request.min_component, cli::Unit::voxels, cli::not_negative,
