@@ -131,16 +131,18 @@ ImageFeatures find_features(const LabelVolume& volume, const Scene& scene, int t
     }
     if (!histogram.contains(0)) return found;
 
-    std::vector<double> diameters;
+    std::vector<double> diameters, cut;
     double open_volume = 0;
     for (const VoidPart& part : void_parts(connected_components(volume, {0}))) {
         found.void_volume += part.volume;
         if (part.wall() == 0) open_volume += part.volume;
         if (part.voxels < min_voxels) continue;
         found.voids.push_back(part);
-        if (part.wall() > 0) diameters.push_back(part.diameter());
+        // It passes through if it meets two opposite faces.
+        const bool through = ((part.wall_low + part.wall_high).array() == 0).any();
+        if (!through) (part.wall() > 0 ? diameters : cut).push_back(part.diameter());
     }
-    add(Feature::Kind::pores, "void", diameters);
+    add(Feature::Kind::pores, "void", diameters.empty() ? cut : diameters);
     if (open_volume > foam_void * found.extent.prod()) {
         auto solid = vol2pack::measure_image(solid_of(volume), cap, threads);
         add_thickness(Feature::Kind::struts, "solid", solid.label[1].thickness);

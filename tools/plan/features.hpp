@@ -40,7 +40,8 @@ struct ImageFeatures {
 /// of all phases but the one with the most voxels; of at least 27 voxels, their size is the diameter of the sphere of
 /// the same volume. Objects that have a label each are those labels; of objects that are still to be separated, or
 /// whose largest component holds over 90 % of their phase and is no compact body, the thickness of their phase is
-/// measured, as of struts. Pores are components of void that reach no face of the image. Struts are measured where void
+/// measured, as of struts. Pores are components of void that reach no face of the image
+/// or, if there is none, no two opposite ones. Struts are measured where void
 /// that does reach a face is over 30 % of the image: at places spread evenly over the solid's surface, the length of
 /// the normal that runs inwards to the next surface (the diameter of a rod).
 ///

@@ -171,24 +171,24 @@ frame.tofile("closed.raw")'
 @test "a label for each object: hundreds of them are no grey image, and the commands keep them" {
     /usr/bin/python3 -c '
 import numpy as np
-z, y, x = np.mgrid[:72, :72, :72]
-off = np.stack([(axis % 12) - 5.5 for axis in (z, y, x)])
-number = 10 + (z // 12) * 36 + (y // 12) * 6 + x // 12
-open("labels.raw", "wb").write(np.where((off**2).sum(0) < 5.9**2, number, 2).astype(np.uint16).tobytes())'
+z, y, x = np.mgrid[:84, :84, :84]
+off = np.stack([(axis % 14) - 6.5 for axis in (z, y, x)])
+number = 10 + (z // 14) * 36 + (y // 14) * 6 + x // 14
+open("labels.raw", "wb").write(np.where((off**2).sum(0) < 6.9**2, number, 2).astype(np.uint16).tobytes())'
     sed -i 's/label = 1/label = 9/; s/label = 2/label = 1/; s/label = 9/label = 2/' scene.toml  # matrix 2, inclusions 1
-    image=(labels.raw --raw-size 72 --raw-type uint16 --voxel-size 10um)
+    image=(labels.raw --raw-size 84 --raw-type uint16 --voxel-size 10um)
     run -0 plan "${image[@]}" proposed.toml --scene scene.toml --error 30%
     [[ $output == *'each is taken as an object of its own (--objects labels)'* ]]
-    [[ $output == *'objects_of_inclusion: 216 of them, median diameter 0.12'* ]]
+    [[ $output == *'objects_of_inclusion: 216 of them, median diameter 0.1'* ]]
     [[ $output == *' --label-objects 10:225=1'* ]]
-    plan "${image[@]}" proposed.toml --scene scene.toml --particles 6000 --objects labels > plan.txt
+    plan "${image[@]}" proposed.toml --scene scene.toml --pixels-per-seed 1.1 --objects labels > plan.txt
     sed -n 's/^command_[a-z0-9_]*: //p' plan.txt | head -2 > commands.sh
     bash -eu commands.sh > chain.txt
     grep -qx 'objects: 216' chain.txt
     # Without a scene they are one phase; by components the matrix has none of their labels.
-    run -0 plan "${image[@]}" made.toml --pixels-per-seed 1.5
+    run -0 plan "${image[@]}" made.toml --pixels-per-seed 1.1
     [[ $output == *'--label-objects 2:225=1'* ]]
-    run -1 plan "${image[@]}" made.toml --pixels-per-seed 1.5 --objects components --quiet
+    run -1 plan "${image[@]}" made.toml --pixels-per-seed 1.1 --objects components --quiet
     [[ $output == *'if each value is an object, --objects labels' ]]
 }
 

@@ -51,7 +51,17 @@ TEST(Features, OfClosedPoresAreTheirDiameters) {
     EXPECT_EQ(found.voids.size(), 3);
 }
 
-TEST(Features, VoidThatReachesAFaceIsNoPore) {
+TEST(Features, OfPoresThatFacesCutCountWhereNoneIsClosed) {
+    const auto balls = [](bool closed) {
+        return drawn::volume(40, [=](const Vec3& at) {
+            return (at - Vec3(0, 20, 20)).norm() < 9 || (closed && (at - Vec3(28, 20, 20)).norm() < 6) ? 0 : 1;
+        });
+    };
+    EXPECT_NEAR(find_features(balls(false), one_phase, 1).features.at(0).median, 0.18 / std::cbrt(2), 0.003);
+    EXPECT_NEAR(find_features(balls(true), one_phase, 1).features.at(0).median, 0.12, 0.003);
+}
+
+TEST(Features, VoidThatPassesThroughIsNoPore) {
     const ImageFeatures found =
         find_features(drawn::volume(40, [](const Vec3& at) { return at[0] < 4 ? 0 : 1; }), one_phase, 1);
     EXPECT_TRUE(found.features.empty());
