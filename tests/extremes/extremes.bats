@@ -9,6 +9,7 @@ setup() {
 # scene FILE LOAD ACCURACY [K_REP] [T0]
 scene() {
     cat > "$1" <<END
+unusual_values = true
 [phase.a]
 label = 1
 law = "bilin"

@@ -28,7 +28,7 @@ def solve(sample, phases, steps, time_step=0.05, extra="", accuracy=""):
     count += 1
     steps = ", ".join(f"{{ strain = {strain}, rate = {rate!r} }}" for strain, rate in steps)
     with open("scene.toml", "w") as scene:
-        scene.write(f"{extra}{phases}[load]\nsteps = [ {steps} ]\n[accuracy]\ntime_step = {json.dumps(time_step)}\nframes = 1\n"
+        scene.write(f"unusual_values = true\n{extra}{phases}[load]\nsteps = [ {steps} ]\n[accuracy]\ntime_step = {json.dumps(time_step)}\nframes = 1\n"
                     f"{accuracy}")
     try:
         done = subprocess.run(["solve", sample, "scene.toml", f"{count}.h5", "--json", "run.json"],

@@ -15,11 +15,12 @@ constexpr double stiffness = 6.23e9;
 
 /// So heavy that nothing moves in a few steps.
 Model heavy_model(const Packing& sample) {
-    return compile_model(parse_scene("[phase.a]\nlabel = 1\nlaw = \"bilin\"\nrepulsive_stiffness = 6.23e9\n"
-                                     "natural_period = 1e9\n[load]\nsteps = [ { strain = -0.1, rate = 1e-20 } ]\n"
-                                     "[accuracy]\ntime_step = 1e-3\n",
-                                     "test"),
-                         sample);
+    return compile_model(
+        parse_scene("unusual_values = true\n[phase.a]\nlabel = 1\nlaw = \"bilin\"\nrepulsive_stiffness = 6.23e9\n"
+                    "natural_period = 1e9\n[load]\nsteps = [ { strain = -0.1, rate = 1e-20 } ]\n"
+                    "[accuracy]\ntime_step = 1e-3\n",
+                    "test"),
+        sample);
 }
 
 Packing two_particles(const Vec3& apart) {

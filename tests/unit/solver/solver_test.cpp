@@ -286,7 +286,8 @@ TEST(Model, RefusesASoftPhaseThatSwingsTooFastBetweenStiffParticles) {
     Packing sample = block(3);
     sample.species[5] = 2;
     const auto press = [](const std::string& stiffness) {
-        return parse_scene(phase_a + "[phase.b]\nlabel = 2\nlaw = \"bilin\"\nrepulsive_stiffness = " + stiffness +
+        return parse_scene("unusual_values = true\n" + phase_a +
+                               "[phase.b]\nlabel = 2\nlaw = \"bilin\"\nrepulsive_stiffness = " + stiffness +
                                "\nnatural_period = 0.1\n[load]\nsteps = [ { strain = -0.1, rate = 1e-3 } ]\n"
                                "[accuracy]\ntime_step = 5e-3",
                            "test");
