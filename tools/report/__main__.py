@@ -103,10 +103,12 @@ def make_page(request, run, folder, stack):
     if quick and request["--with"]:
         # What is there costs nothing.
         all_measures, left_out = pieces.measures(run, tools, frames, quick=False)
-        left_out |= {one.name: "left out by --quick" for one in all_measures if one not in measures and not shop.there(one)}
+        all_pictures = pieces.pictures(run, request["--size"], quick=False)
+        kept = shop.kept([*all_measures, *all_pictures])
+        left_out |= {one.name: "left out by --quick" for one in all_measures if one not in measures and one not in kept}
         measures = [one for one in all_measures if one.name not in left_out]
-        pictures = [one for one in pieces.pictures(run, request["--size"], quick=False) if one in pictures or shop.there(one)]
-        surfaces = [one for one in pieces.surfaces(run, frames) if shop.there(one)]
+        pictures = [one for one in all_pictures if one in pictures or one in kept]
+        surfaces = shop.kept(pieces.surfaces(run, frames))
     wanted = [*measures, *pictures, *surfaces]
     progress = stack.enter_context(Progress(request, len(wanted) + 2))
     shop.make_all(wanted, progress)

@@ -44,6 +44,9 @@ class Workshop:
         return self
 
     def __exit__(self, *_):
+        self.stop()
+
+    def stop(self):
         with self.lock:
             for child in self.children:
                 child.terminate()
@@ -63,6 +66,11 @@ class Workshop:
         if not set(piece.kept_with) <= set(words):
             return False
         return os.path.realpath(source) in real_paths(words[1:2], self.run.path.parent)
+
+    def kept(self, pieces):
+        """Those that are there, and what they are made of too."""
+        maker = {file: piece for piece in pieces for file in piece.files}
+        return [one for one in pieces if self.there(one) and (not one.source or self.there(maker[one.source]))]
 
     def executable(self, tool):
         path = self.tools_folder / tool
@@ -129,8 +137,14 @@ class Workshop:
         # A piece made of another one waits for it.
         for layer in (lambda one: not one.source, lambda one: one.source and (self.folder / one.source).exists()):
             with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-                for done in [pool.submit(work, one) for one in todo if layer(one)]:
-                    done.result()
+                waiting = [pool.submit(work, one) for one in todo if layer(one)]
+                try:
+                    for done in waiting:
+                        done.result()
+                except BaseException:  # stopped: the others do not begin
+                    pool.shutdown(wait=False, cancel_futures=True)
+                    self.stop()
+                    raise
 
     def summary(self, name):
         return Steps.read(self.folder / f"{name}.json") if self.has(name) else None

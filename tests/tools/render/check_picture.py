@@ -4,7 +4,7 @@
 usage: check_picture.py size PNG WIDTH HEIGHT
        check_picture.py orange_share PNG LOW HIGH   share of orange among the pixels of particles
        check_picture.py empty_share PNG LOW HIGH    share of pixels that show the white background
-       check_picture.py dark_share PNG LOW HIGH     share of dark grey in the drawing
+       check_picture.py dark_share PNG LOW HIGH     share of the drawing that is dark in the mean over 12 x 12 pixels
        check_picture.py same_scale PNG PNG          both have the same scale bar
        check_picture.py share PNG R,G,B LOW HIGH    share of pixels of this hue, light or dark, in the drawing
        check_picture.py bar PNG COLOURS             at least so many colours side by side in the upper right: a colour bar
@@ -67,9 +67,10 @@ elif what == "orange_share":
 elif what == "empty_share":
     between("share of background", shares(first)[1], *rest)
 elif what == "dark_share":
-    image = drawing(first)
-    image = image[: len(image) * 8 // 10]  # without the axes
-    between("share of dark grey", np.mean((image.max(axis=2) < 100) & (np.ptp(image, axis=2) < 25)), *rest)
+    grey = drawing(first).max(axis=2)
+    height, width = (size // 12 for size in grey.shape)
+    blocks = grey[: 12 * height, : 12 * width].reshape(height, 12, width, 12).mean(axis=(1, 3))
+    between("share of dark places", np.mean(blocks < 110), *rest)
 elif what == "same_scale":
     height, width = pixels(first).shape[:2]
     bar = [pixels(path)[int(0.9 * height) :, : width // 2] for path in (first, rest[0])]

@@ -47,10 +47,10 @@ axis, place, unit = re.fullmatch(r"(\w) = (\S+) (mm)", json.load(open("auto.json
 middle = {"x": 7.5, "y": 3.75}[axis]
 assert abs(float(place) - middle) < 1.2, (axis, place)
 END
-    check dark_share auto.png 0.02 0.3
+    check dark_share auto.png 0.004 0.1
     render off.h5 away.png --cut y --cut-place 0.75 --frame 0 --no-outline --size 600x450 --json away.json
     grep -q '"cut": "y = 11.2 mm"' away.json
-    check dark_share away.png 0 0.002
+    check dark_share away.png 0 0.001
 }
 
 @test "the cut goes with the material, so that both pictures show the same particles" {

@@ -21,8 +21,9 @@ Packing cube(const std::vector<Place>& balls, Ball kind) {
     packing.seed_radius = 0.5;
     packing.box = {Vec3::Zero(), Vec3::Constant(20)};
     for (int k = 0; k < 8000; ++k) {
+        const int x = k % 20, y = k / 20 % 20, z = k / 400;
         const Vec3 jitter = 0.05 * Vec3(std::sin(1.7 * k), std::sin(2.3 * k), std::sin(3.1 * k));
-        const Vec3 centre = Vec3(k % 20, k / 20 % 20, k / 400) + Vec3::Constant(0.5) + jitter;
+        const Vec3 centre = Vec3(x, y, z) + Vec3::Constant(0.5) + jitter;
         bool inside = false;
         for (const Place& ball : balls) inside |= (centre - ball.centre).norm() < ball.radius;
         if (inside && kind == Ball::pore) continue;
@@ -61,7 +62,9 @@ TEST(BestCut, IsInTheMiddleAcrossYWhereThereIsNothing) {
 TEST(BestCut, GoesThroughTheSolidOfAnOpenStructure) {
     // Two struts of a fifth of the width, along z, in the planes y = 4 and y = 16; the rest is void.
     Packing packing = cube({}, Ball::pore), struts = packing;
-    struts.position.clear(), struts.species.clear(), struts.object.clear(), struts.id.clear();
+    for (auto* numbers : {&struts.species, &struts.object}) numbers->clear();
+    struts.position.clear();
+    struts.id.clear();
     for (std::size_t k = 0; k < packing.size(); ++k) {
         const Vec3& centre = packing.position[k];
         const bool one = std::abs(centre.x() - 3) < 2 && std::abs(centre.y() - 4) < 2;
@@ -82,7 +85,9 @@ TEST(BestCut, GoesThroughTheSolidOfAnOpenStructure) {
 
 TEST(BestCut, OfVeryFewParticlesIsThereToo) {
     Packing packing = cube({}, Ball::pore);
-    packing.position.resize(2), packing.species.resize(2), packing.object.resize(2), packing.id.resize(2);
+    for (auto* numbers : {&packing.species, &packing.object}) numbers->resize(2);
+    packing.position.resize(2);
+    packing.id.resize(2);
     EXPECT_EQ(best_cut(packing).cut, Cut::y);
 }
 
