@@ -320,14 +320,17 @@ class Page:
     def measures(self):
         more = {"scene": self.run.scene, "shares": self.shares_of_dense_phases(), "means": self.tables.get("shape_factor_means")}
         return [{"name": name, "heading": display["heading"], "results": self.results(name),
-                 "drawing": self.drawing(name, display, more), "frames": self.frames_measured(name)}
+                 **self.drawing(name, display, more), "frames": self.frames_measured(name)}
                 for name, display in self.displays.items()]
 
     def drawing(self, name, display, more):
         """The plot, and in the place of one that cannot be drawn why."""
         part = f"the plot of {name}"
         drawn = self.part(part, lambda: plots.measure(name, display, self.table_of(name, name), more))
-        return as_it_is(drawn) if drawn else self.absent.get(part, "")
+        if drawn:
+            return {"drawing": as_it_is(drawn), "why": ""}
+        flat = "Not drawn: it is measured at one moment, or does not change." if display["x"] else ""
+        return {"drawing": "", "why": self.absent.get(part, flat)}
 
     def frames_measured(self, name):
         """Which frames, where they are not all."""
