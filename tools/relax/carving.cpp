@@ -352,10 +352,8 @@ class Carving {
         reporter_.report("image_volume", assessment_.all.target, "mm^3");
         reporter_.report("pore_volume", assessment_.all.volume, "mm^3");
         reporter_.report("total_error", row.total_error);
-        if (assessment_.closed.count > 0 && assessment_.cut.count > 0) {
-            reporter_.report("closed_pores_error", assessment_.closed.error());
-            reporter_.report("cut_pores_error", assessment_.cut.error());
-        }
+        if (assessment_.closed.count > 0) reporter_.report("closed_pores_error", assessment_.closed.error());
+        if (assessment_.cut.count > 0) reporter_.report("cut_pores_error", assessment_.cut.error());
         reporter_.report("total_error_by_grid", row.grid_error);
         reporter_.report("worst_pore_error", row.worst_error);
         reporter_.report("intersection_over_union", row.iou);

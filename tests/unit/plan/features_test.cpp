@@ -133,8 +133,8 @@ TEST(Features, OfObjectsToBeSeparatedAreTheThicknessOfTheirPhase) {
 
 TEST(Features, OfObjectsWithLabelsAreTheirDiameters) {
     LabelVolume volume = drawn::volume(60, [](const Vec3& at) {
-        const int k = int(at[0] / 20) + 3 * int(at[1] / 20);
-        return (at - Vec3(20 * (k % 3) + 10, 20 * (k / 3) + 10, 30)).norm() < 8 ? 100 + k : 2;
+        const int column = int(at[0] / 20), row = int(at[1] / 20);
+        return (at - Vec3(20 * column + 10, 20 * row + 10, 30)).norm() < 8 ? 100 + column + 3 * row : 2;
     });
     EXPECT_TRUE(looks_labelled(volume));
     std::string text = drawn::two_phases;  // a = 1, b = 2 with objects; here 1 has the labels
