@@ -55,18 +55,6 @@ bool same_name(const std::string& one, const std::string& other) {
                       [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
 }
 
-/// A name that image and scene both know must be of the same label in both: labels swapped give wrong numbers in
-/// silence.
-void check_names(const Scene& scene, const Packing& sample) {
-    for (const Phase& phase : scene.phases)
-        for (const auto& [label, name] : sample.label_names)
-            if (label != phase.label && same_name(name, phase.name))
-                throw InvalidInput(fmt::format(
-                    "scene '{}' line {}: [phase.{}] has label {}, but in the sample (vol2pack --labels) label {} is "
-                    "'{}'; write label = {} there, or give other names to vol2pack --labels",
-                    scene.path.string(), phase.line, phase.name, phase.label, label, name, label));
-}
-
 /// A sample brings its radii, or they are drawn.
 void check_radii(const Scene& scene, const Packing& sample) {
     if (sample.radius.empty()) return;
@@ -86,8 +74,17 @@ double height_of(const Scene& scene, const Packing& sample) {
 
 }  // namespace
 
+void check_names(const Scene& scene, const Packing& sample) {
+    for (const Phase& phase : scene.phases)
+        for (const auto& [label, name] : sample.label_names)
+            if (label != phase.label && same_name(name, phase.name))
+                throw InvalidInput(fmt::format(
+                    "scene '{}' line {}: [phase.{}] has label {}, but in the sample (vol2pack --labels) label {} is "
+                    "'{}'; write label = {} there, or give other names to vol2pack --labels",
+                    scene.path.string(), phase.line, phase.name, phase.label, label, name, label));
+}
+
 std::vector<std::string> other_names(const Scene& scene, const Packing& sample) {
-    check_names(scene, sample);
     std::vector<std::string> found;
     for (const Phase& phase : scene.phases)
         if (const auto name = sample.label_names.find(phase.label);

@@ -52,8 +52,12 @@ struct Model {
 /// @param height  Model::height instead of that of the sample: a run that continues keeps that of its beginning
 Model compile_model(const Scene& scene, const Packing& sample, std::optional<double> height = {});
 
+/// A name that sample and scene both know must be of the same label in both: swapped labels give wrong numbers in
+/// silence.
+/// @throws InvalidInput naming both
+void check_names(const Scene& scene, const Packing& sample);
+
 /// Phases that have another name in the sample, one line each: a question of words, or a wrong label.
-/// @throws InvalidInput for a name that belongs to another label in the sample
 std::vector<std::string> other_names(const Scene& scene, const Packing& sample);
 
 /// Of the forces of the two planes: above, the curves say more of inertia than of the material.

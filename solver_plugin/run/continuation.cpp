@@ -73,12 +73,13 @@ Continuation read_continuation(const std::filesystem::path& run, MPI_Comm commun
         throw InvalidInput(
             fmt::format("cannot continue from '{}': it is a sample, not a run; leave --frame out", run.string()));
     Continuation found{.run = run,
+                       .last_frame = reader.frame_count() - 1,
                        .scene = parse_stored_scene(reader.provenance().scene, "of " + run.string()),
                        .sample = reader.packing(),
                        .state = read_end_state(run, communicator),
                        .end = {}};
     found.end = EndOfRun::restored(found.state.checkpoint);
-    found.sample.position = reader.frame(reader.frame_count() - 1).position;
+    found.sample.position = reader.frame(found.last_frame).position;
     const double strain = found.end.total_strain - reader.provenance().strain_before.value_or(0);
     found.sample.box = deformed(found.sample.box, found.scene, found.end, strain);
     return found;
@@ -114,6 +115,12 @@ std::vector<std::string> changes(const Scene& before, const Scene& next) {
     };
     for (const Phase& mine : next.phases) {
         const Phase& its = before.phase(mine.label);
+        if (its.norton.has_value() != mine.norton.has_value()) {
+            found.push_back(
+                fmt::format("[phase.{}] is given by {}", mine.name,
+                            mine.norton ? "norton, before by its constants" : "its constants, before by norton"));
+            continue;
+        }
         compare(mine, "K", its.norton.value_or(Norton{}).consistency, mine.norton.value_or(Norton{}).consistency);
         compare(mine, "M", its.norton.value_or(Norton{}).rate_sensitivity,
                 mine.norton.value_or(Norton{}).rate_sensitivity);

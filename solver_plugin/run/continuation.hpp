@@ -33,6 +33,7 @@ struct EndOfRun {
 /// The end of a run, as the beginning of another.
 struct Continuation {
     std::filesystem::path run;
+    std::size_t last_frame = 0;
     Scene scene;            ///< of that run
     Packing sample;         ///< at its end; the box has followed the deformation
     FoundCheckpoint state;  ///< of this process

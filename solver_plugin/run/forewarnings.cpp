@@ -33,6 +33,7 @@ void forewarn(const Scene& scene, const Packing& sample, const Model& model, con
         if (!one.outside.empty())
             reporter.note(
                 fmt::format("[phase.{}] is outside its calibration: {}", one.phase, fmt::join(one.outside, "; ")));
+    if (!sample.relaxed) reporter.note("the sample is not relaxed yet: it is relaxed before the load");
     check_plane_speed(scene, model, sample, reporter);
     model.law->warn(scene, model, reporter);
     double end = before != nullptr ? before->time() : 0;

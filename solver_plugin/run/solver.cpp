@@ -65,11 +65,10 @@ Inputs inputs_of(const Provenance& provenance) {
 /// A run between its first and its last point.
 class Pressing {
  public:
-    Pressing(Packing sample, std::optional<Continuation> before, const Scene& scene,
-             const std::filesystem::path& run_file, const Provenance& provenance, MPI_Comm communicator,
-             const RunControl& control, Reporter& reporter)
+    Pressing(Packing sample, Continuation* before, const Scene& scene, const std::filesystem::path& run_file,
+             const Provenance& provenance, MPI_Comm communicator, const RunControl& control, Reporter& reporter)
         : sample_(std::move(sample)),
-          before_(std::move(before)),
+          before_(before),
           scene_(scene),
           communicator_(communicator),
           control_(control),
@@ -81,14 +80,14 @@ class Pressing {
           first_(first_process(communicator)),
           meter_(communicator),
           watch_(communicator),
-          model_(model_of(scene, *sample_, before_ ? &*before_ : nullptr)),
+          model_(model_of(scene, *sample_, before_)),
           begin_(before_ ? before_->begin(scene) : LoadBegin{}),
           segments_(load_path(scene, model_.time_step, begin_)),
           plan_(plan_points(scene, segments_)) {
         if (run_file.extension() == ".xdmf")
             throw InvalidInput(fmt::format("cannot write '{}': name the HDF5 file (.h5), the .xdmf comes beside it",
                                            run_file.string()));
-        forewarn(scene, *sample_, model_, before_ ? &*before_ : nullptr, reporter);
+        forewarn(scene, *sample_, model_, before_, reporter);
         has_objects_ = !sample_->object.empty();
         const Vec3 edges = sample_->box.edges;
         initial_section_ = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];
@@ -107,7 +106,6 @@ class Pressing {
             resume();
         else
             begin(provenance);
-        before_.reset();
     }
 
     RunResult run() {
@@ -200,7 +198,6 @@ class Pressing {
         try {
             const auto watch = watching(watch_, simulation());
             if (!sample_->relaxed) {
-                reporter_.note("the sample is not relaxed yet: relaxing it first");
                 relax_inside(simulation(), model_, {}, watch, reporter_);
                 simulation().end_relaxation();
             }
@@ -220,6 +217,7 @@ class Pressing {
     void continue_before() {
         prepare(*before_, scene_, model_);
         simulation().restore(before_->state);
+        before_->state.checkpoint.particles = {};  // the simulation has them
         steps_before_ = simulation().step();
         if (!scene_.steps.empty()) {
             if (before_->has_planes())
@@ -480,6 +478,7 @@ class Pressing {
     /// What another load continues from.
     void write_end() {
         simulation().rest();
+        snapshot_ = {};  // no more of use
         Checkpoint end;
         simulation().save(end);
         const bool planes = !scene_.steps.empty();
@@ -497,8 +496,8 @@ class Pressing {
         write_end_state(end, partial_, run_file_, communicator_);
     }
 
-    std::optional<Packing> sample_;       ///< until the simulation and the run file have it
-    std::optional<Continuation> before_;  ///< until the simulation has its state
+    std::optional<Packing> sample_;  ///< until the simulation and the run file have it
+    Continuation* before_;           ///< null: the run begins with a sample
     bool has_objects_ = false;
     const Scene& scene_;
     MPI_Comm communicator_;
@@ -541,15 +540,8 @@ class Pressing {
 }  // namespace
 
 RunResult solve(Packing sample, const Scene& scene, const std::filesystem::path& run_file, const Provenance& provenance,
-                MPI_Comm communicator, const RunControl& control, Reporter& reporter) {
-    return Pressing(std::move(sample), {}, scene, run_file, provenance, communicator, control, reporter).run();
-}
-
-RunResult solve(Continuation before, const Scene& scene, const std::filesystem::path& run_file,
-                const Provenance& provenance, MPI_Comm communicator, const RunControl& control, Reporter& reporter) {
-    Packing sample = std::move(before.sample);
-    return Pressing(std::move(sample), std::move(before), scene, run_file, provenance, communicator, control, reporter)
-        .run();
+                MPI_Comm communicator, const RunControl& control, Reporter& reporter, Continuation* before) {
+    return Pressing(std::move(sample), before, scene, run_file, provenance, communicator, control, reporter).run();
 }
 
 bool is_complete(const std::filesystem::path& run_file, const Provenance& provenance) {

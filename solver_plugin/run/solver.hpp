@@ -89,15 +89,12 @@ struct Continuation;
 /// @throws InvalidInput if the scene does not fit the sample, particles are lost, or the packing heats up and falls
 /// apart; if a signal stops it; if the checkpoint to resume from belongs to other inputs
 /// @param sample  given away: its memory is free once the solver has the particles
+/// @param before  an earlier run that ended with this sample, its scene accepted by check_continuation(): velocities,
+///                contacts, hardening and planes go on; strain and time of the new run begin at zero. Its particles are
+///                taken
 RunResult solve(Packing sample, const Scene& scene, const std::filesystem::path& run_file, const Provenance& provenance,
-                MPI_Comm communicator, const RunControl& control = {}, Reporter& reporter = silent_reporter());
-
-/// The same with the end of an earlier run as the beginning: particles, velocities, contacts, hardening and the planes
-/// go on, strain and time of the new run begin at zero.
-/// @param before  check_continuation() has accepted the scene
-RunResult solve(Continuation before, const Scene& scene, const std::filesystem::path& run_file,
-                const Provenance& provenance, MPI_Comm communicator, const RunControl& control = {},
-                Reporter& reporter = silent_reporter());
+                MPI_Comm communicator, const RunControl& control = {}, Reporter& reporter = silent_reporter(),
+                Continuation* before = nullptr);
 
 /// Whether the run file is there already, complete, from the same inputs and version.
 bool is_complete(const std::filesystem::path& run_file, const Provenance& provenance);

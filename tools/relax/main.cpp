@@ -67,6 +67,7 @@ void report_extent(const Packing& before, const Packing& after, cli::Tool& tool)
 void run(const Request& request, cli::Tool& tool) {
     const Scene scene = read_scene(request.scene);
     const Packing sample = read_sample(request.sample);
+    check_names(scene, sample);
     for (const std::string& line : other_names(scene, sample)) tool.warn(line);
     Provenance provenance = tool.provenance();
     provenance.scene = scene.text;

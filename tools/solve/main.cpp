@@ -98,8 +98,7 @@ void report(const Explanation& found, cli::Tool& tool) {
 
 Continuation end_of_run(const Request& request, const Scene& scene) {
     Continuation before = read_continuation(request.sample, MPI_COMM_WORLD);
-    const std::size_t last = RunReader(request.sample).frame_count() - 1;
-    if (request.frame != "last" && request.frame != std::to_string(last))
+    if (request.frame != "last" && request.frame != std::to_string(before.last_frame))
         throw InvalidInput(
             fmt::format("--frame {}: a load continues from the last frame of a run (--frame last); of those before it, "
                         "the velocities and what the contacts remember are not kept",
@@ -112,7 +111,8 @@ void run(const Request& request, cli::Tool& tool) {
     const Scene scene = read_scene(request.scene);
     std::optional<Continuation> before;
     if (!request.frame.empty()) before = end_of_run(request, scene);
-    Packing sample = before ? before->sample : read_sample(request.sample);
+    Packing sample = before ? std::move(before->sample) : read_sample(request.sample);
+    check_names(scene, sample);
     std::vector<std::string> changed = before ? changes(before->scene, scene) : std::vector<std::string>{};
     if (!before && sample.relaxed)
         changed = check_rest(sample, RunReader(request.sample).provenance().scene, scene, tool);
@@ -147,9 +147,8 @@ void run(const Request& request, cli::Tool& tool) {
     } else if (!changed.empty()) {
         tool.report_json("changed_since_relaxation", changed);
     }
-    const RunResult result =
-        before ? solve(std::move(*before), scene, request.run, provenance, MPI_COMM_WORLD, request.control, tool)
-               : solve(std::move(sample), scene, request.run, provenance, MPI_COMM_WORLD, request.control, tool);
+    const RunResult result = solve(std::move(sample), scene, request.run, provenance, MPI_COMM_WORLD, request.control,
+                                   tool, before ? &*before : nullptr);
     tool.report("particles", result.particles);
     tool.report("particles_lost", result.particles_lost);
     tool.report("time_step", result.time_step, "s");

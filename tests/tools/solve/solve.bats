@@ -37,7 +37,7 @@ END
     make_scene scene.toml -0.02
     run solve sample.h5 scene.toml run.h5
     [ "$status" -eq 0 ]
-    [[ "$output" == *"relaxing it first"* ]]
+    [[ "$output" == *"it is relaxed before the load"* ]]
 }
 
 @test "two processes give the stress of one, and keep every particle" {
