@@ -23,11 +23,11 @@ using namespace tomodem::plan;
 
 struct Request {
     VolumeRequest volume;
-    std::filesystem::path scene, proposed, table;
+    std::filesystem::path scene, proposed, table, script;
     double error = 0;
     std::string of, law = "any", feature = "median", objects = "auto";
     // For a given size of the particles.
-    double particles = 0, pixels_per_seed = 0, density = 0.7;
+    double particles = 0, pixels_per_seed = 0, density = 0;
     std::string labels, options, write = "all";
 };
 
@@ -65,11 +65,15 @@ cli::Usage usage(Request& request) {
         .input_option("--table", request.table,
                       "Table by which --error predicts error, time and memory (.toml, from trade_table). The default "
                       "is the table that tomodem ships.")
+        .output_option("--script", request.script,
+                       "Also write the commands of the proposal, from the packing to the run, as a shell script.",
+                       {".sh"})
         .option("--labels", request.labels,
                 "With --particles or --pixels-per-seed: names of the labels, as 1=matrix,2=inclusion. The default is "
                 "the names of the scene.")
         .option("--density", request.density, cli::Unit::none, {0, 1, false, true},
-                "With --particles or --pixels-per-seed: density D of the brick that the sample will be cut from.")
+                "With --particles or --pixels-per-seed: density D of the brick that the sample will be cut from. The "
+                "default is that at which the law of the scene is at rest: 0.64 NORTON, 0.7 BILIN, 0.74 TRILIN.")
         .option("--options", request.options,
                 "With --particles or --pixels-per-seed: also write into this folder one file for each tool of the "
                 "chain with the options that depend on the image or on the load.")
@@ -325,8 +329,16 @@ std::vector<std::string> commands(const Request& request, const Proposal& found,
     return lines;
 }
 
-void report_commands(const std::vector<std::string>& lines, cli::Tool& tool) {
+void give_commands(const std::vector<std::string>& lines, const Request& request, cli::Tool& tool) {
     for (const std::string& line : lines) tool.report("command_" + line.substr(0, line.find(' ')), line);
+    if (!request.script.empty()) write_text(request.script, fmt::format("set -eu\n{}\n", fmt::join(lines, "\n")));
+}
+
+/// D of a brick for a scene: that at which its law is at rest. Without a scene BILIN is proposed.
+double density_for(const std::optional<Scene>& scene) {
+    constexpr double of_other_laws = 0.7;
+    const auto found = shipped_trade().law.find(scene ? scene->law().name() : "bilin");
+    return found == shipped_trade().law.end() ? of_other_laws : found->second.density;
 }
 
 /// --objects, looked at with the image.
@@ -400,7 +412,7 @@ void plan_for_error(const Request& given, cli::Tool& tool) {
         if (!flow.outside.empty())
             tool.note(fmt::format("[phase.{}] would be outside its calibration: {}", flow.phase,
                                   fmt::join(flow.outside, "; ")));
-    report_commands(commands(request, plan.proposal, image, scene, carved, by, ranges, tool), tool);
+    give_commands(commands(request, plan.proposal, image, scene, carved, by, ranges, tool), request, tool);
     tool.report("table", fmt::format("{}; seconds are those of {}", table.name, table.processor));
     write_text(request.proposed, plan.proposal.scene);
 }
@@ -435,7 +447,7 @@ void plan_for_size(const Request& request, cli::Tool& tool) {
     SampleRequest wanted;
     if (tool.given("--particles")) wanted.particles = request.particles;
     if (tool.given("--pixels-per-seed")) wanted.pixels_per_seed = request.pixels_per_seed;
-    wanted.density = request.density;
+    wanted.density = tool.given("--density") ? request.density : density_for(scene);
     if (tool.given("--labels")) wanted.names = parse_label_names("--labels", request.labels);
 
     LabelVolume volume = read_volume(request.volume, volume_options(request.volume), tool);
@@ -458,7 +470,7 @@ void plan_for_size(const Request& request, cli::Tool& tool) {
     const ImageFeatures image = find_features(volume, made, tool.threads(), plan.by, objects);
     report_features(image, tool);
     note_objects(image, plan.by, tool);
-    note_stress(image, made, plan.seed_radius, request.density, shipped_trade(), tool);
+    note_stress(image, made, plan.seed_radius, wanted.density, shipped_trade(), tool);
     if (const PoreCount pores = count_pores(image, plan.seed_radius);
         pores.carvable() && pores.open == 0 && !not_carved(image, made))
         tool.note(
@@ -466,12 +478,12 @@ void plan_for_size(const Request& request, cli::Tool& tool) {
                         "(docs/relaxation.md), and --error proposes it",
                         pores.closed + pores.cut));
     const ImageForSample sample = image_for_sample(request.volume, request.volume.relabel, plan.by, plan.ranges, tool);
-    std::vector<std::string> lines{packgen_command(plan.particles, request.density)};
+    std::vector<std::string> lines{packgen_command(plan.particles, wanted.density)};
     lines.insert(lines.end(), sample.commands.begin(), sample.commands.end());
     lines.push_back(fmt::format("vol2pack brick.h5 {} {}", sample.arguments, options.at("vol2pack")));
     lines.push_back(fmt::format("relax sample.h5 {} relaxed.h5", shell_quoted(request.proposed.string())));
     lines.push_back(fmt::format("solve relaxed.h5 {} run.h5", shell_quoted(request.proposed.string())));
-    report_commands(lines, tool);
+    give_commands(lines, request, tool);
     tool.report_json("options", options);
     if (request.write != "load") write_options(options, request.options);
     if (request.write != "sample") write_load(plan.load, request);
