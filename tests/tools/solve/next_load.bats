@@ -28,7 +28,7 @@ END
 step() { echo "{ strain = $1, rate = 1e-2 }"; }
 
 # goes_on LAW FIRST SECOND WHOLE PHASE CONTACT ACCURACY LOAD SAMPLE [COMMAND...]: strains of the first load, of the next from its
-# end, and of both counted from the start; one run of both and two runs end with the same numbers.
+# end, and of both counted from the start; one run of both and two runs end with the same numbers, within $tolerance [mm] where it is set.
 goes_on() {
     local law=$1 first=$2 second=$3 whole=$4 rest=("${@:5:4}") sample=$9
     shift 9
@@ -39,14 +39,14 @@ goes_on() {
     "$@" solve "$sample" whole.toml whole.run.h5 --quiet
     "$@" solve "$sample" first.toml first.run.h5 --quiet
     "$@" solve first.run.h5 --frame last second.toml second.run.h5 --quiet --json second.json
-    /usr/bin/python3 - "$first" "$second" <<'END'
+    /usr/bin/python3 - "$first" "$second" "${tolerance:-0}" <<'END'
 import json
 import sys
 
 import h5py
 import numpy as np
 
-strain_first, strain_second = map(float, sys.argv[1:])
+strain_first, strain_second, tolerance = map(float, sys.argv[1:])
 whole, first, second = (h5py.File(name + ".run.h5") for name in ("whole", "first", "second"))
 
 
@@ -55,8 +55,11 @@ def particles(run):
 
 
 assert particles(second)[0].tobytes() == particles(first)[-1].tobytes()
-assert particles(second)[-1].tobytes() == particles(whole)[-1].tobytes(), np.abs(particles(second)[-1] - particles(whole)[-1]).max()
-assert second["end/particles/memory"][()].tobytes() == whole["end/particles/memory"][()].tobytes()
+apart = np.abs(particles(second)[-1] - particles(whole)[-1]).max()
+print("positions differ by", apart)
+assert apart <= tolerance
+memory = [run["end/particles/memory"][()] for run in (whole, second)]
+assert memory[0].size == memory[1].size and (tolerance > 0 or (memory[0] == memory[1]).all())
 curve = {run: run["observables/stress_true/value"][:] for run in (whole, first, second)}
 largest = np.abs(curve[whole]).max()
 tail = curve[whole][-len(curve[second]):]
@@ -86,11 +89,33 @@ natural_period = 0.1"
 $hardening" "" "time_step = 2e-3" "" relaxed.h5
 }
 
-@test "TRILIN pulled apart, whose surfaces have met and heal: bit by bit, also on two processes" {
-    make_sample sample.h5 500 0.74
-    goes_on trilin -0.1 0.2 0.1 "$stiff" "self_contact = true
-healing_time = '5 s'" "time_step = 2e-3" "" sample.h5
-    goes_on trilin -0.1 0.2 0.1 "$stiff" "self_contact = true" "time_step = 2e-3" "" sample.h5 mpirun --oversubscribe -np 2
+@test "TRILIN pulled apart, whose surfaces have met and heal: within rounding, also on two processes" {
+    tolerance=1e-12
+    make_sample sample.h5 800 0.74
+    /usr/bin/python3 - <<'END'
+import h5py
+import numpy as np
+
+with h5py.File("sample.h5", "r+") as file:  # two blocks with a gap between them
+    everything = file["particles/all"]
+    position = everything["position/value"][0]
+    z = position[:, 2]
+    keep = np.abs(z - z.mean()) > 0.9
+    for name in ("species", "id"):
+        values = everything[name][:][keep]
+        del everything[name]
+        everything[name] = values
+    del everything["position/value"]
+    everything["position/value"] = position[keep][None]
+    everything["box"].attrs["boundary"] = [b"none"] * 3
+END
+    goes_on trilin -0.4 0.2 -0.2 "$stiff" "self_contact = true
+healing_time = '20 s'" "time_step = 2e-3" "" sample.h5
+    /usr/bin/python3 -c '
+import h5py
+end = h5py.File("first.run.h5")["end/particles"]
+assert end["memory"].size > 3 * end["tag"].size + 10, end["memory"].size'
+    goes_on trilin -0.4 0.2 -0.2 "$stiff" "self_contact = true" "time_step = 2e-3" "" sample.h5 mpirun --oversubscribe -np 2
 }
 
 @test "NORTON, which flows with its planes: bit by bit" {
