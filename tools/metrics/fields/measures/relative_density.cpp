@@ -1,7 +1,6 @@
 // relative_density: the share of the space that a structure takes up which is solid, frame by frame.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
