@@ -120,10 +120,10 @@ Model compile_model(const Scene& scene, const Packing& sample, std::optional<dou
     model.radius_dispersion = scene.radius_dispersion;
     model.self_contact = scene.self_contact;
     model.healing_time = scene.healing_time;
-    model.separate_objects = scene.separate_objects;
-    if (model.separate_objects && sample.object.empty())
+    model.objects_only_push = scene.objects_only_push;
+    if (model.objects_only_push && sample.object.empty())
         throw InvalidInput(
-            fmt::format("scene '{}': separate_objects = true in [contact] but the sample does not distinguish "
+            fmt::format("scene '{}': objects_only_push = true in [contact] but the sample does not distinguish "
                         "objects; make it with vol2pack --objects LABEL",
                         scene.path.string()));
     model.lateral = scene.lateral;

@@ -308,9 +308,8 @@ void read_output(TomlReader reader, Scene& scene) {
 
 void read_contact(TomlReader reader, Scene& scene) {
     scene.self_contact = reader.optional_boolean("self_contact").value_or(false);
-    reader.refuse("between_objects",
-                  "between_objects is called separate_objects now: objects do not attract each other where it is true");
-    scene.separate_objects = reader.optional_boolean("separate_objects").value_or(false);
+    reader.refuse("between_objects", "between_objects is called objects_only_push now");
+    scene.objects_only_push = reader.optional_boolean("objects_only_push").value_or(false);
     if (const toml::node* node = reader.find("healing_time")) {
         scene.healing_time = reader.quantity(*node, "healing_time", units::time);
         if (!(scene.healing_time > 0))
@@ -398,7 +397,7 @@ void rename_old_keys(toml::table& root) {
         found->insert(key, *found->get(old_key));
         found->erase(old_key);
     };
-    rename("contact", "between_objects", "separate_objects");
+    rename("contact", "between_objects", "objects_only_push");
     const toml::table* const phases = root["phase"].as_table();
     const auto law_of = [](const toml::node& phase) {
         return phase.is_table() ? (*phase.as_table())["law"].value_or(std::string()) : std::string();

@@ -98,7 +98,7 @@ struct Scene {
 
     bool self_contact = false;
     double healing_time = std::numeric_limits<double>::infinity();  ///< s
-    bool separate_objects = false;  ///< particles of different objects do not attract each other
+    bool objects_only_push = false;  ///< particles of different objects do not attract each other
 
     int axis = 2;                        ///< 0, 1, 2 for x, y, z
     std::vector<LoadStep> steps;         ///< empty when `duration` is given

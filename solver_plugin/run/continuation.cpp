@@ -97,7 +97,7 @@ void check_continuation(const Continuation& before, const Scene& next) {
     require_same("seed_radius", last.seed_radius, next.seed_radius);
     require_same("crown_radius", last.crown_radius, next.crown_radius);
     require_same("radius_dispersion", last.radius_dispersion, next.radius_dispersion);
-    require_same("separate_objects", last.separate_objects, next.separate_objects);
+    require_same("objects_only_push", last.objects_only_push, next.objects_only_push);
     require_same("axis", "xyz"[last.axis], "xyz"[next.axis]);
     require_same("lateral", std::string(name_of(last.lateral)), std::string(name_of(next.lateral)));
     if (labels_of(last) != labels_of(next))

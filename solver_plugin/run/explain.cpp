@@ -34,7 +34,7 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
     const std::string own_law = fmt::format("law \"{}\"", model.law->name());
     for (const Law* law : laws())
         if (!law->traits().feature.empty()) add(law->traits().feature, law == model.law, own_law, own_law);
-    add("several_laws", model.phases.size() > 1 || model.separate_objects,
+    add("several_laws", model.phases.size() > 1 || model.objects_only_push,
         model.phases.size() > 1 ? fmt::format("{} phases, mixed pairs take the averages", model.phases.size())
                                 : "one phase of several objects",
         "one phase: one set of constants for every pair");
@@ -42,7 +42,7 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
         sample.radius.empty() ? fmt::format("radius_dispersion = {:g}", model.radius_dispersion)
                               : std::string("the sample's particles have radii of their own"),
         "equal radii: seed and crown are constants");
-    add("objects_that_do_not_attract", model.separate_objects, "separate_objects = true in [contact]",
+    add("objects_that_do_not_attract", model.objects_only_push, "objects_only_push = true in [contact]",
         "everything belongs together");
     add("self_contact", model.self_contact, "self_contact = true in [contact]: outward vectors and interfaces",
         "no memory of pairs, no outward vectors");

@@ -32,7 +32,7 @@ Simulation::State::State(const Packing& sample, const Model& model, int axis, MP
     scale = model.seed_radius / sample.seed_radius;
     count = static_cast<std::int64_t>(sample.size());
     sample_volume = sample.box.volume();
-    if (model.separate_objects) object = sample.object;
+    if (model.objects_only_push) object = sample.object;
     for (const PhaseModel& phase : model.phases)
         hardening.push_back(phase.hardening ? phase.hardening->factor(0) : 1.0);
     for (const double radius : sample.radius) radius_factors.push_back(radius / sample.seed_radius);

@@ -152,10 +152,10 @@ TEST(Scene, StoredInARunIsReadWithTheKeysOfItsTime) {
             "[load]\nsteps = [ {{ strain = -30, rate = 1e-3 }} ]\n[accuracy]\nequilibrium_error = 0.01\n",
             law);
     };
-    expect_refused(text("bilin"), "6", "between_objects is called separate_objects now");
+    expect_refused(text("bilin"), "6", "between_objects is called objects_only_push now");
     const Scene bilin = parse_stored_scene(text("bilin"), "s.toml"),
                 norton = parse_stored_scene(text("norton"), "s.toml");
-    EXPECT_TRUE(bilin.separate_objects);
+    EXPECT_TRUE(bilin.objects_only_push);
     EXPECT_EQ(number_of(bilin.law_accuracy, "max_equilibrium_error"), 0.01);
     EXPECT_EQ(number_of(norton.law_accuracy, "inertia_share"), 0.01);
     EXPECT_EQ(bilin.text, text("bilin"));

@@ -145,7 +145,7 @@ TEST_P(LawInLiggghts, BoundsTheAttractionOfTrilin) {
 
 TEST_P(LawInLiggghts, DoesNotAttractBetweenObjectsButRepels) {
     Model model = trilin_model();
-    model.separate_objects = true;
+    model.objects_only_push = true;
     Packing apart = pair_of(1, 1, 1.2), touching = pair_of(1, 1, 0.9);
     apart.object = touching.object = {1, 2};
     EXPECT_EQ(force_on_second(apart, model, 0.1), 0);

@@ -32,7 +32,7 @@ Packing sample() {
     return packing;
 }
 
-Model model_of(const Packing& packing, const std::string& contact = "separate_objects = true") {
+Model model_of(const Packing& packing, const std::string& contact = "objects_only_push = true") {
     return compile_model(parse_scene(R"([phase.a]
 label = 1
 law = "norton"
