@@ -79,7 +79,7 @@ bool is_open(const Packing& packing) {
 /// Nothing where the packing is too small or too flat to have pores.
 Pores pores_of(const Packing& packing, bool with_lid) {
     PoreSearch search{.probe_radius = default_probe_radius(packing.seed_radius), .seed_radius = packing.seed_radius};
-    const double lid_radius = default_lid_radius(packing.position);
+    const double lid_radius = default_lid_radius(packing.position, false);
     if (with_lid && lid_radius >= 2.0 * search.probe_radius) search.lid_radius = lid_radius;
     try {
         return find_pores(packing.position, search);
