@@ -89,6 +89,13 @@ class RunFacts:
         self.provenance = provenance_of(file)
 
     @functools.cached_property
+    def is_open(self):
+        """Whether more than half of the box around the particles is void; in solid, spheres fill two thirds of the space."""
+        low, high = self.extent[0]
+        spheres = 4 / 3 * np.pi * self.seed_radius**3 * self.particles
+        return bool(spheres < 0.33 * np.prod(high - low + 2 * self.seed_radius))
+
+    @functools.cached_property
     def frame_strain(self):
         """True strain of each frame; not a number where the file has no such curve."""
         if "strain" not in self.curves:

@@ -79,7 +79,9 @@ TEST(UnusualValues, HardeningInPerCentIsRefused) {
 }
 
 Packing cube(double seed_radius) {
-    Packing packing{.box = {Vec3::Zero(), Vec3::Constant(4 * seed_radius)}, .seed_radius = seed_radius};
+    Packing packing;
+    packing.box = {Vec3::Zero(), Vec3::Constant(4 * seed_radius)};
+    packing.seed_radius = seed_radius;
     for (int k = 0; k < 8; ++k) {
         packing.position.emplace_back(2 * seed_radius * (k & 1), seed_radius * (k & 2), 0.5 * seed_radius * (k & 4));
         packing.species.push_back(k < 4 ? 1 : 2);
