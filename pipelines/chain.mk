@@ -1,7 +1,7 @@
 # The chain of one stack, from a segmented tomography to $(OUT)/report.html. Pipelines include it, or run it:
 #
 #   make -f pipelines/chain.mk VOLUME=stack.tif [VOXEL_SIZE=2.4um [OVERRIDE_VOXEL_SIZE=yes]] OUT=out/stack [BIN=build/bin] [NP=1]
-#        [sample | relaxed | run | report]
+#        [OBJECTS=components | watershed | labels] [sample | relaxed | run | report]
 #
 # Every file is made by one command from the files that it depends on. Inputs, the executables too, count by their content:
 # inputs.py takes their digests while make reads this, and a small file each in $(OUT)/digests is written where one has
@@ -67,16 +67,17 @@ image_options := $(strip $(if $(VOXEL_SIZE),--voxel-size $(VOXEL_SIZE)) \
 # ---- parameters are files too ----------------------------------------------------------------------------------------
 image.parameters := $(strip $(IMAGE) $(image_options))
 plan.parameters := $(strip $(image_options) $(if $(SCENE),--scene $(SCENE)) $(if $(LABELS),--labels $(call quoted,$(LABELS))) \
-    --density $(DENSITY) \
+    --density $(DENSITY) $(if $(OBJECTS),--objects $(OBJECTS)) \
     $(if $(PIXELS_PER_SEED),--pixels-per-seed $(PIXELS_PER_SEED),--particles $(PARTICLES)))
-sample.parameters := $(strip $(image_options) --filter $(FILTER))
+separated := $(filter watershed,$(OBJECTS))
+sample.parameters := $(strip $(if $(separated),,$(image_options)) --filter $(FILTER))
 shape.parameters := $(strip $(SHAPE_OPTIONS))
 pictures.parameters := $(strip --size $(PICTURE_SIZE))
 brick.parameters := $(strip --particles $(BRICK_PARTICLES) --density $(DENSITY))
 $(call files_of_text,image.parameters plan.parameters sample.parameters shape.parameters pictures.parameters)
 
 programs := volume_info plan packgen vol2pack relax solve stress_strain shape_factor volume_change equilibrium mesh_recon render \
-    report $(PROGRAMS)
+    report $(if $(separated),separate_objects) $(PROGRAMS)
 digests := $(shell $(COMMON)inputs.py $(if $(dry),,--cache $(DIGEST_CACHE)) $(if $(SCENE),--scene $(SCENE)) \
     $(if $(VOLUME),--image $(VOLUME) --bin $(BIN)) tools=$(BIN)/tools.json $(foreach name,$(programs),$(name)=$(BIN)/$(name)))
 ifneq ($(.SHELLSTATUS),0)
@@ -100,7 +101,8 @@ $(OUT)/image.json: $(OUT)/digests/volume_info $(IMAGE_STATE) $(OUT)/image.parame
 
 # Options of the other tools that depend on the image; the scene, and those that follow from its load.
 plan = $(BIN)/plan $(IMAGE) $(OUT)/scene.toml $(plan.parameters) --options $(OUT)/options $(threads)
-$(OUT)/plan.json $(addprefix $(OUT)/options/,vol2pack render inclusions mesh_recon shape_factor) &: $(OUT)/digests/plan \
+$(OUT)/plan.json $(addprefix $(OUT)/options/,vol2pack render inclusions mesh_recon shape_factor $(if $(separated),separate_objects)) &: \
+    $(OUT)/digests/plan \
     $(IMAGE_STATE) $(named_phases) $(OUT)/image.parameters $(OUT)/plan.parameters
 	$(plan) --write sample --json $(OUT)/plan.json
 
@@ -111,9 +113,15 @@ $(OUT)/scene.toml $(addprefix $(OUT)/options/,press equilibrium) &: $(OUT)/diges
 $(BRICK) $(BRICK:.h5=.json) &: $(BRICK).state
 	$(BIN)/packgen $(BRICK) $(brick.parameters) $(threads) --json $(BRICK:.h5=.json)
 
-$(OUT)/sample.h5 $(OUT)/sample.json &: $(OUT)/digests/vol2pack $(BRICK) $(IMAGE_STATE) $(OUT)/options/vol2pack \
-    $(OUT)/sample.parameters
-	$(BIN)/vol2pack $(BRICK) $(IMAGE) $(OUT)/sample.h5 $(sample.parameters) $(call options,vol2pack) $(threads) \
+# With OBJECTS=watershed the sample is made from an image in which touching objects have labels of their own.
+$(OUT)/objects.tif $(OUT)/objects.png $(OUT)/objects.json &: $(OUT)/digests/separate_objects $(IMAGE_STATE) \
+    $(OUT)/options/separate_objects $(OUT)/image.parameters
+	$(BIN)/separate_objects $(IMAGE) $(OUT)/objects.tif $(image_options) $(call options,separate_objects) $(threads) \
+	    --picture $(OUT)/objects.png --json $(OUT)/objects.json
+
+$(OUT)/sample.h5 $(OUT)/sample.json &: $(OUT)/digests/vol2pack $(BRICK) $(if $(separated),$(OUT)/objects.tif,$(IMAGE_STATE)) \
+    $(OUT)/options/vol2pack $(OUT)/sample.parameters
+	$(BIN)/vol2pack $(BRICK) $(if $(separated),$(OUT)/objects.tif,$(IMAGE)) $(OUT)/sample.h5 $(sample.parameters) $(call options,vol2pack) $(threads) \
 	    --json $(OUT)/sample.json
 
 $(OUT)/relaxed.h5 $(OUT)/relaxed.json &: $(OUT)/digests/relax $(OUT)/sample.h5 $(relaxing_scene)

@@ -30,6 +30,14 @@ constexpr double overrun_share = 1e-3;
 /// The same way in one natural period. A particle that a plane hits is dug into by 1/(2 pi) of it.
 constexpr double plane_way_in_period_warned = 1;
 
+/// Advice, in the keys that the scene's law has.
+std::string calmer(const Model& model) {
+    return fmt::format(
+        "take a lower rate, a smaller {}, or a shorter natural_period if the scene gives one; parts that are one or "
+        "two particles thick need a sample of finer particles",
+        model.law->traits().less_heat);
+}
+
 }  // namespace
 
 double reduced_energy(const Simulation& simulation, double energy, const Model& model) {
@@ -50,9 +58,8 @@ void refuse_runaway(const Simulation& simulation, double kinetic_energy, const M
         std::max(reduced_energy(simulation, kinetic_energy, model), simulation.max_kinetic_energy_of_a_phase());
     if (!(energy < runaway_energy))
         throw InvalidInput(fmt::format(
-            "the packing falls apart {} (step {}): its kinetic energy is {:.2g} N k_rep r_s^2, above {:g}; take a "
-            "lower rate, a smaller strain_per_step, or a shorter natural_period",
-            when, simulation.step(), energy, runaway_energy));
+            "the packing falls apart {} (step {}): its kinetic energy is {:.2g} N k_rep r_s^2, above {:g}; {}", when,
+            simulation.step(), energy, runaway_energy, calmer(model)));
 }
 
 void refuse_heat(const Simulation& simulation, double kinetic_energy, const Model& model, const std::string& when) {
@@ -70,15 +77,14 @@ void refuse_collapse(const Simulation& simulation, double elastic_energy, const 
     const auto overrun = simulation.particles_behind_planes();
     if (static_cast<double>(overrun) > overrun_share * static_cast<double>(simulation.initial_particles()))
         throw InvalidInput(fmt::format(
-            "the planes have run over {} particles {} (step {}): they are too fast for particles this heavy; take a "
-            "lower rate or a shorter natural_period",
-            overrun, when, simulation.step()));
+            "the planes have run over {} particles {} (step {}): they are too fast for particles this heavy; {}",
+            overrun, when, simulation.step(), calmer(model)));
     const double energy = reduced_energy(simulation, elastic_energy, model);
     if (!(energy < collapse_energy))
         throw InvalidInput(fmt::format(
             "the packing has collapsed {} (step {}): the elastic energy of its seeds is {:.2g} N k_rep r_s^2, above "
-            "{:g}; is the seed radius of the sample right? Otherwise take a lower rate or a shorter natural_period",
-            when, simulation.step(), energy, collapse_energy));
+            "{:g}; is the seed radius of the sample right? Otherwise {}",
+            when, simulation.step(), energy, collapse_energy, calmer(model)));
 }
 
 void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample, Reporter& reporter) {

@@ -213,7 +213,7 @@ std::map<std::string, std::string> sample_options(const SamplePlan& plan) {
     std::vector<std::string> names;
     for (const auto& [label, name] : plan.names) names.push_back(fmt::format("{}={}", label, name));
     const std::string labels = fmt::format("--labels {}", fmt::join(names, ","));
-    return {
+    std::map<std::string, std::string> options{
         {"vol2pack", fmt::format("--pixels-per-seed {:g} {} {} --min-component {}", plan.pixels_per_seed, labels,
                                  vol2pack_options(plan.by, plan.objects, plan.ranges), plan.min_component)},
         {"render", labels},
@@ -221,6 +221,9 @@ std::map<std::string, std::string> sample_options(const SamplePlan& plan) {
         {"mesh_recon", fmt::format("--species {} --probe-radius {:.6g}mm", plan.shown, plan.probe_radius)},
         {"shape_factor", fmt::format("--min-particles {}", min_particles_of_shape)},
     };
+    if (plan.by == ObjectsBy::watershed)
+        options["separate_objects"] = fmt::format("--labels {}", plan.ranges.front().species);
+    return options;
 }
 
 std::map<std::string, std::string> load_options(const LoadPlan& load) {

@@ -87,6 +87,18 @@ needs_shared() { [ -d "$shared/data" ] || skip "the shared tomographies are not 
     cmp whole/picture_cut_after.png killed/picture_cut_after.png
 }
 
+@test "OBJECTS=watershed separates grains that touch, and each is an object of the run" {
+    "$TOMODEM_BIN/phantom_grains" grains.tif --size 50 --voxel-size 10um --fraction 0.5 --count 8 --quiet
+    pipeline VOLUME=grains.tif VOXEL_SIZE=10um OBJECTS=watershed PARTICLES=1200 OUT=out out/sample.h5
+    [ -s out/objects.png ]
+    /usr/bin/python3 -c 'import json
+objects, sample = (json.load(open(f"out/{name}.json")) for name in ("objects", "sample"))
+assert objects["objects"] == sample["objects"] == 8, (objects["objects"], sample["objects"])
+assert objects["components"] < 8'
+    run -0 pipeline VOLUME=grains.tif VOXEL_SIZE=10um OBJECTS=watershed PARTICLES=1200 OUT=out out/sample.h5
+    [[ $output == *"up to date"* ]]
+}
+
 @test "what is missing or wrong is said in one line before anything runs" {
     touch image.tif
     run -2 pipeline OUT=out VOLUME=image.tif

@@ -246,7 +246,7 @@ END
 @test "what is not in the file is named" {
     run -1 --separate-stderr render run.h5 picture.png --frame 7
     one_line
-    [[ $stderr == *"no frame 7"* ]]
+    [[ $stderr == *"--frame 7: the file has frames 0 to "* ]]
     run -1 --separate-stderr render run.h5 picture.png --only-species 9
     one_line
     [[ $stderr == *"no particle has label 9; the packing has 1, 2"* ]]
