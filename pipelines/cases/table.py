@@ -7,9 +7,9 @@ import csv
 import pathlib
 
 HERE = pathlib.Path(__file__).resolve().parent
-ORDER = ["single_material", "two_phases", "composite", "casting_pores", "open_cell_foam"]
+ORDER = ["single_material", "two_phases", "composite", "casting_pores", "open_cell_foam", "polymer_fibres"]
 
-INTRODUCTION = """# The cases of the thesis, computed again
+INTRODUCTION = """# The cases of the thesis, computed again, and a fibre preform
 
 Made by `make docs` from what the full run of each case recorded in its folder, `pipelines/cases/NAME` (`figures.csv`, `picture.png`).
 For your own material start from the nearest case: read its README (ten lines) and change its scene.

@@ -26,6 +26,7 @@ void warn_of_hardening(const Scene& scene, double end, Reporter& reporter) {
 
 void forewarn(const Scene& scene, const Packing& sample, const Model& model, const Continuation* before,
               Reporter& reporter) {
+    check_plane_speed(scene, model, sample, reporter);
     if (before != nullptr)
         for (const std::string& line : changes(before->scene, scene)) reporter.warn(line);
     for (const std::string& line : other_names(scene, sample)) reporter.warn(line);
@@ -34,7 +35,6 @@ void forewarn(const Scene& scene, const Packing& sample, const Model& model, con
             reporter.note(
                 fmt::format("[phase.{}] is outside its calibration: {}", one.phase, fmt::join(one.outside, "; ")));
     if (!sample.relaxed) reporter.note("the sample is not relaxed yet: it is relaxed before the load");
-    check_plane_speed(scene, model, sample, reporter);
     model.law->warn(scene, model, reporter);
     double end = before != nullptr ? before->time() : 0;
     for (const LoadSegment& segment : load_path(scene, model.time_step))

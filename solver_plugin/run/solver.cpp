@@ -87,7 +87,9 @@ class Pressing {
         if (run_file.extension() == ".xdmf")
             throw InvalidInput(fmt::format("cannot write '{}': name the HDF5 file (.h5), the .xdmf comes beside it",
                                            run_file.string()));
-        forewarn(scene, *sample_, model_, before_, reporter);
+        std::error_code ignored;
+        const bool go_on = control.resume && std::filesystem::exists(checkpoint_file_, ignored);
+        if (!go_on) forewarn(scene, *sample_, model_, before_, reporter);
         has_objects_ = !sample_->object.empty();
         const Vec3 edges = sample_->box.edges;
         initial_section_ = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];
@@ -99,8 +101,6 @@ class Pressing {
             fields_.push_back(stress_field);
             fields_.back().attributes = {{"volume", simulation_->volume_per_particle()}};
         }
-        std::error_code ignored;
-        const bool go_on = control.resume && std::filesystem::exists(checkpoint_file_, ignored);
         MPI_Barrier(communicator);
         if (go_on)
             resume();

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <sstream>
 
@@ -428,12 +429,28 @@ void write_load(const LoadPlan& load, const Request& request) {
     write_text(request.proposed, load.scene);
 }
 
+/// Objects with labels of their own that would have no shape.
+void note_small_objects(const SamplePlan& plan, const std::vector<std::int64_t>& voxels, cli::Tool& tool) {
+    const double voxels_of_sample = std::reduce(voxels.begin(), voxels.end(), 0.0);
+    const auto small = std::count_if(voxels.begin(), voxels.end(), [&](std::int64_t object) {
+        return static_cast<double>(object) / voxels_of_sample * plan.particles < min_particles_of_shape;
+    });
+    if (small > 0)
+        tool.note(
+            fmt::format("{} of {} objects would have fewer than {} particles, too few to have a shape; give more "
+                        "--particles, or join small ones (separate_objects --min-voxels)",
+                        small, voxels.size(), min_particles_of_shape));
+}
+
 /// For a given size of the particles: the scene and the options of the chain.
-void plan_for_size(const Request& request, cli::Tool& tool) {
+void plan_for_size(const Request& given, cli::Tool& tool) {
+    Request request = given;
     for (const char* flag : {"--of", "--law", "--feature", "--table"})
         if (tool.given(flag)) throw WrongUsage(fmt::format("{} goes with --error", flag));
-    if (request.proposed.empty())
-        throw WrongUsage("give PROPOSED, the scene to write; with --scene it is a copy of it");
+    if (request.proposed.empty()) {
+        if (!tool.given("--scene")) throw WrongUsage("give PROPOSED, the scene to write, or --scene");
+        request.proposed = std::filesystem::path(request.scene).replace_extension("proposed.toml");
+    }
     std::optional<Scene> scene;
     std::string scene_text;
     if (tool.given("--scene")) {
@@ -464,7 +481,8 @@ void plan_for_size(const Request& request, cli::Tool& tool) {
     tool.report("pixels_per_seed", plan.pixels_per_seed, "voxels");
     tool.report("seed_radius", plan.seed_radius, "mm");
     tool.report("particles", static_cast<std::int64_t>(std::llround(plan.particles)));
-    tool.report("min_component", plan.min_component, "voxels");
+    if (plan.min_component > 0) tool.report("min_component", plan.min_component, "voxels");
+    note_small_objects(plan, labelled ? labelled->voxels : std::vector<std::int64_t>{}, tool);
     tool.report("probe_radius", plan.probe_radius, "mm");
     const Scene made = parse_scene(plan.load.scene, request.proposed.string());
     const ImageFeatures image = find_features(volume, made, tool.threads(), plan.by, objects);

@@ -161,7 +161,7 @@ SamplePlan plan_sample(const LabelVolume& volume, const std::vector<SolidLabel>&
     plan.pixels_per_seed =
         request.pixels_per_seed
             ? *request.pixels_per_seed
-            : std::max(1.0,
+            : std::max(0.01,
                        rounded_to_hundredths(radius_of_ball(filled * request.density / request.particles.value())));
     plan.seed_radius = plan.pixels_per_seed * voxel;
     plan.probe_radius = probe_ratio * plan.seed_radius;
@@ -203,9 +203,11 @@ SamplePlan plan_sample(const LabelVolume& volume, const std::vector<SolidLabel>&
             plan.inclusions ? "inclusion" : "part", static_cast<double>(largest) / voxels_of_particle,
             std::floor(needed * 50) / 100, plan.pixels_per_seed));
     }
+    // An object with a label of its own is a component too, and none is taken out for being small.
     const bool porous = share < dense_fraction;
-    plan.min_component = static_cast<std::int64_t>(
-        std::ceil(voxels_of_particle * static_cast<double>(porous ? min_particles_of_shape : 1)));
+    if (plan.by == ObjectsBy::components)
+        plan.min_component = static_cast<std::int64_t>(
+            std::ceil(voxels_of_particle * static_cast<double>(porous ? min_particles_of_shape : 1)));
     return plan;
 }
 
@@ -214,8 +216,9 @@ std::map<std::string, std::string> sample_options(const SamplePlan& plan) {
     for (const auto& [label, name] : plan.names) names.push_back(fmt::format("{}={}", label, name));
     const std::string labels = fmt::format("--labels {}", fmt::join(names, ","));
     std::map<std::string, std::string> options{
-        {"vol2pack", fmt::format("--pixels-per-seed {:g} {} {} --min-component {}", plan.pixels_per_seed, labels,
-                                 vol2pack_options(plan.by, plan.objects, plan.ranges), plan.min_component)},
+        {"vol2pack", fmt::format("--pixels-per-seed {:g} {} {}{}", plan.pixels_per_seed, labels,
+                                 vol2pack_options(plan.by, plan.objects, plan.ranges),
+                                 plan.min_component > 0 ? fmt::format(" --min-component {}", plan.min_component) : "")},
         {"render", labels},
         {"inclusions", fmt::format("--only-species {} --color {}", plan.shown, plan.inclusions ? "object" : "phase")},
         {"mesh_recon", fmt::format("--species {} --probe-radius {:.6g}mm", plan.shown, plan.probe_radius)},

@@ -56,7 +56,7 @@ struct SamplePlan {
     double pixels_per_seed = 0;         ///< radius of a particle [voxels]
     double seed_radius = 0;             ///< [mm]
     double particles = 0;               ///< expected number
-    std::int64_t min_component = 0;     ///< smaller components are taken out of the image [voxels]
+    std::int64_t min_component = 0;     ///< smaller components are taken out of the image [voxels]; 0: none are
     double probe_radius = 0;            ///< of the surfaces [mm]
     LoadPlan load;
 };

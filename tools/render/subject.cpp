@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/base/error.hpp"
+#include "core/surface/filling.hpp"
 #include "core/surface/reconstruction.hpp"
 
 namespace tomodem::render {
@@ -91,16 +92,36 @@ std::string counted(std::size_t count, const std::string& thing) {
     return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
 
+/// Whether few particles stretch the box around all of them: some have come loose and fly away.
+bool has_outliers(const std::vector<Vec3>& centres, const Box& all) {
+    constexpr double share = 0.01, stretched = 1.5;
+    std::vector<double> along(centres.size());
+    const auto few = static_cast<std::ptrdiff_t>(share * static_cast<double>(centres.size()));
+    for (int axis = 0; axis < 3; ++axis) {
+        std::transform(centres.begin(), centres.end(), along.begin(), [axis](const Vec3& at) { return at[axis]; });
+        std::nth_element(along.begin(), along.begin() + few, along.end());
+        const double low = along[few];
+        std::nth_element(along.begin(), along.end() - 1 - few, along.end());
+        if (all.edges[axis] > stretched * (along[along.size() - 1 - few] - low)) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 Box bounds(const std::vector<Vec3>& centres, double radius) {
     if (centres.empty()) throw InvalidInput("there is nothing to draw: no particles");
-    Vec3 low = centres.front(), high = centres.front();
-    for (const Vec3& centre : centres) {
-        low = low.cwiseMin(centre);
-        high = high.cwiseMax(centre);
-    }
-    return {.origin = low.array() - radius, .edges = (high - low).array() + 2 * radius};
+    const auto around = [radius](const std::vector<Vec3>& points) {
+        Vec3 low = points.front(), high = points.front();
+        for (const Vec3& point : points) {
+            low = low.cwiseMin(point);
+            high = high.cwiseMax(point);
+        }
+        return Box{.origin = low.array() - radius, .edges = (high - low).array() + 2 * radius};
+    };
+    const Box all = around(centres);
+    if (radius == 0 || !has_outliers(centres, all)) return all;
+    return around(centres_of(centres, without_loose(centres, radius)));
 }
 
 Box bounds_of_run(const RunReader& run) {

@@ -205,6 +205,8 @@ class Page:
             value = summary.get(one["key"])
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 continue
+            if f"{one['key']}_unreliable" in summary:  # said once, as what it is
+                continue
             found.append((one["label"], quantity(value if one["factor"] == 1 else one["factor"] * value, one["unit"])))
         return found
 
@@ -242,9 +244,16 @@ class Page:
                              "few particles carry the load. Take a smaller strain_per_step, or smaller particles.")
         if one := self.summary.get("volume_change"):
             if abs(one.get("volume_change_last", 0)) > 0.1:
-                found.append(f"The volume changed by {percent(one['volume_change_last'], 1)}: parts that are only a few "
-                             "particles thick sinter into lumps. Take smaller particles (PIXELS_PER_SEED) until the result no "
-                             "longer changes.")
+                found.append(f"The volume of the envelope changed by {percent(one['volume_change_last'], 1)}: parts that are "
+                             "only a few particles thick clump, or come apart. Take smaller particles (--pixels-per-seed; "
+                             "PIXELS_PER_SEED in the pipelines) until the result no longer changes.")
+        if (one := self.summary.get("stress_strain") or {}).get("stress_reliable") == "no":
+            across, wanted = one.get("particles_across"), one.get("particles_that_would_do")
+            found.append("The flow stress is unreliable: " + "; ".join(filter(None, (
+                f"the planes differ by {percent(one['plane_force_difference'], 1)} of their force"
+                if one.get("plane_force_difference", 0) > 0.1 else "",
+                f"the parts of the solid are {number(across)} particles across, and some {count(round(wanted))} particles would do"
+                if across and wanted else ""))) + ".")
         if self.solved.get("particles_lost", 0) > 0:
             found.append(f"{plural(self.solved['particles_lost'], 'particle')} were lost.")
         by_reason = {}

@@ -171,7 +171,7 @@ END
     sleep 0.2
     kill $process
     wait $process || true
-    /usr/bin/python3 -c 'import h5py; assert h5py.File("run.h5.checkpoint")["particles/memory"].size >= 1500'
+    /usr/bin/python3 -c 'import h5py; assert h5py.File("run.h5.checkpoint")["particles/memory"].size > 0'
     solve relaxed.h5 trilin.toml run.h5 --resume --quiet
     same whole.h5 run.h5
 }
@@ -317,7 +317,7 @@ END
 @test "planes that jump over particles in a step are refused beforehand" {
     make_relaxed 1500
     sed -i 's/time_step = 1e-3/strain_per_step = 0.1/; s/natural_period = 0.1/natural_period = 200/' scene.toml
-    refuses 1 "crown radii in one time step (critical regime" solve relaxed.h5 scene.toml run.h5
+    refuses 1 "crown radii in one time step (critical regime" solve sample.h5 scene.toml run.h5
     [ ! -e run.h5.partial ]
 }
 

@@ -27,8 +27,8 @@ cli::Usage usage(Request& request) {
                 "Fill the gaps between centres that a ball of this radius cannot enter; the default is one particle "
                 "diameter.")
         .step(cli::Step::measure)
-        .measure({.heading = "Volume of the sample",
-                  .results = {{"volume_change_last", "volume change of the solid", "%", 100},
+        .measure({.heading = "Volume of the envelope",
+                  .results = {{"volume_change_last", "volume change of the envelope", "%", 100},
                               {"volume_change_extreme", "volume change, largest on the way", "%", 100},
                               {"components_last", "separate parts at the end", ""}},
                   .x = {"strain", "true strain", ""},

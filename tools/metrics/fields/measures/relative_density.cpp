@@ -111,6 +111,13 @@ void run(const Request& request, cli::Tool& tool) {
     }
     if (chosen.size() > 1) tool.report("solid_change_last", measured.back().solid / measured.front().solid - 1.0);
     tool.report_json("rows", table.json());
+    constexpr double apart = 1.5;
+    if (const double growth = measured.back().hull / measured.front().hull; growth > apart)
+        tool.warn(fmt::format(
+            "the structure comes apart: the convex hull around it is {:.2g} times as large at the end as in "
+            "the first frame; its parts are too thin in particles: make the sample with fewer "
+            "--pixels-per-seed",
+            growth));
 }
 }  // namespace
 
