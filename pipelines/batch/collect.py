@@ -36,6 +36,7 @@ COSTS = ("wall [s]", "cpu [s]", "peak_memory [MiB]")
 # In the page, before and behind the first result of each measure: column, heading, digits.
 SHOWN_OF_RUN = (("particles", "particles", 9), ("final_strain", "strain", 3), ("final_stress [MPa]", "stress at the end [MPa]", 4))
 FLOW = ("flow_stress [MPa]", "flow_abs_strain_from", "flow_abs_strain_to")
+UNRELIABLE = "flow_stress_unreliable [MPa]"  # the same figure, where the particles or the contacts cannot carry it
 SHOWN_COSTS = (("wall [s]", "time [s]", 3), ("cpu [s]", "CPU time [s]", 3), ("peak_memory [MiB]", "memory [MiB]", 4))
 
 
@@ -144,6 +145,11 @@ def flow_strain(row):
     return "at |strain| " + " to ".join(f"{row[end]:.3g}" for end in ends) if {column, *ends} <= row.keys() else ""
 
 
+def said_of_flow(row, in_head):
+    """What stands below the flow stress of a stack."""
+    return ", ".join(filter(None, ("unreliable" if UNRELIABLE in row else "", "" if in_head else flow_strain(row))))
+
+
 def page_text(rows, out, results):
     first = {measure: (column, heading, 4) for measure, _, column, heading, _ in reversed(results)}
     measured = [first[measure] for measure in dict.fromkeys(one[0] for one in results)]
@@ -159,7 +165,7 @@ def page_text(rows, out, results):
             "name": name, "report": has_report(out / name), "counted": row["status"] in ("done", "unfinished"),
             "said": f"{row['status']}{': ' * bool(row['error'])}{row['error']}", "log": (out / name / "log.txt").is_file(),
             "figures": [{"text": text_of(row[column], digits).replace("-", "−") if column in row else "",
-                         "where": flow_strain(row) if column == FLOW[0] and not in_head else ""} for column, _, digits in shown],
+                         "where": said_of_flow(row, in_head) if column == FLOW[0] else ""} for column, _, digits in shown],
             "picture": row["status"] == "done" and (out / name / "picture_cut_after.png").is_file() and has_report(out / name),
         })
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(pathlib.Path(__file__).resolve().parent), autoescape=True,

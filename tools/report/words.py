@@ -58,7 +58,9 @@ def in_unit(text, unit):
 
 
 def quantity(value, unit, digits=4):
-    """A whole number as it is, another one with so many digits; with its unit."""
+    """A whole number as it is, another one with so many digits; with its unit, kPa for the small stresses of open structures."""
+    if unit == "MPa" and 0 < abs(value) < 0.1:
+        value, unit = 1000.0 * value, "kPa"
     text = count(value) if isinstance(value, int) else number(value, digits)
     return f"{text} {unit}".strip()
 

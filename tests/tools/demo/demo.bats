@@ -148,7 +148,7 @@ END
     needs_shared
     grey=$shared/data/trabecular_bone/bone_grey.tif
     run -2 pipeline VOLUME="$grey" VOXEL_SIZE=19.5um OUT=grey grey/sample.h5
-    [[ $output == *"it is grey; give --threshold or --otsu"* ]]
+    [[ $output == *"if it is grey, give --threshold or --otsu"* ]]
     pipeline VOLUME="$grey" VOXEL_SIZE=19.5um THRESHOLD=83 ROI=0:100,0:100,0:100 PARTICLES=3000 OUT=bone bone/sample.h5 \
         bone/scene.toml
     grep -q 'phase."solid"' bone/scene.toml

@@ -58,7 +58,7 @@ END
 @test "one frame, of a run and of a sample" {
     page frame --frames 1
     shows frame "Not shown: there is one frame, and events are found between frames."
-    shows frame "Volume of the sample: there is one frame."
+    shows frame "Volume of the envelope: there is one frame."
     page sample --frames 1 --curves none --objects 1
     shows sample "Stress and strain, Equilibrium, Control numbers of the packing: the file is a sample, without curves."
     shows sample "Not known: the file does not hold a scene."

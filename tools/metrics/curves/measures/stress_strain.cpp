@@ -34,8 +34,8 @@ cli::Usage usage(Request& request) {
                 "Half-width of the window of |strain| around --at; the flow stress is the mean stress in this window.")
         .step(cli::Step::measure)
         .measure({.heading = "Stress and strain",
-                  .results = {{"flow_stress_unreliable", "flow stress, unreliable (see the warnings)", "MPa", 1e-6},
-                              {"flow_stress", "flow stress", "MPa", 1e-6},
+                  .results = {{"flow_stress", "flow stress", "MPa", 1e-6},
+                              {"flow_stress_unreliable", "flow stress, unreliable (see the warnings)", "MPa", 1e-6},
                               {"flow_stress_deviation", "scatter of the flow stress", "MPa", 1e-6},
                               {"flow_stress_engineering", "flow stress, engineering", "MPa", 1e-6},
                               {"flow_abs_strain_from", "flow stress measured from |strain|", ""},
