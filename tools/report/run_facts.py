@@ -1,6 +1,7 @@
 """What a page needs to know of a run or a sample before anything is measured."""
 import dataclasses
 import functools
+import hashlib
 import json
 import os
 import pathlib
@@ -19,7 +20,7 @@ class Provenance:
     version: str
     command_line: str
     scene: str
-    inputs: tuple  # names
+    inputs: dict  # name -> SHA-256 of its content, as hexadecimal digits
 
 
 def real_paths(words, folder):
@@ -34,13 +35,19 @@ def text_of(value):
 def provenance_of(file):
     group = file.get("parameters/tomodem")
     if group is None:
-        return Provenance("", "", "", "", ())
+        return Provenance("", "", "", "", {})
 
     def text(name):
         return text_of(group[name][()]) if name in group else ""
 
-    names = group["inputs/name"][()] if "inputs/name" in group else ()
-    return Provenance(text("tool"), text("version"), text("command_line"), text("scene"), tuple(map(text_of, names)))
+    names, digests = (map(text_of, group[f"inputs/{one}"][()] if f"inputs/{one}" in group else ()) for one in ("name", "sha256"))
+    return Provenance(text("tool"), text("version"), text("command_line"), text("scene"), dict(zip(names, digests)))
+
+
+def is_content_of(path, digest):
+    """Whether a file is still the one of that SHA-256."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest() == digest
 
 
 class RunFacts:
@@ -208,18 +215,25 @@ class Steps:
 
     @staticmethod
     def origins(run):
-        """What the run and the files that it was made from say of their making, as far as these can be read, the run first."""
+        """What the run and the files that it was made from say of their making, as far as these are still there, the run first.
+
+        A file of that name that has been made anew since is none of them.
+        """
         todo, seen = [run.provenance], set()
         while todo:
             provenance = todo.pop()
             yield provenance
-            for name in set(provenance.inputs) - seen:
+            for name, digest in provenance.inputs.items():
+                if name in seen:
+                    continue
                 seen.add(name)
                 for place in (name, run.path.parent / pathlib.PurePath(name).name):
                     try:
                         with h5py.File(place) as file:
-                            todo.append(provenance_of(file))
-                        break
+                            before = provenance_of(file)
+                        if before.tool and is_content_of(place, digest):
+                            todo.append(before)
+                            break
                     except OSError:
                         continue
 

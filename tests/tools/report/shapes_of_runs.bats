@@ -196,3 +196,19 @@ END
     run -0 grep -c "particles lost</td><td>0 of" page.html
     run -1 grep -q "one.tif" page.html
 }
+
+@test "a sample that was made anew since is not what the run was made of" {
+    for name in one two; do
+        phantom_pores $name.tif --size 24 --voxel-size 10um --porosity 0.05 --median-diameter 80um --quiet
+    done
+    printf '[phase.solid]\nlabel = 1\nlaw = "bilin"\nnorton = { K = 95.9, M = 2.45e-3 }\n[load]\nsteps = [ { strain = -0.05, rate = 1e-3 } ]\n' >scene.toml
+    packgen brick.h5 --particles 500 --density 0.7 --quiet
+    vol2pack brick.h5 one.tif sample.h5 --pixels-per-seed 1.5 --json sample.json --quiet
+    relax sample.h5 scene.toml relaxed.h5 --quiet
+    report relaxed.h5 page.html --quick --quiet
+    shows page "<h1>one</h1>"
+    vol2pack brick.h5 two.tif sample.h5 --pixels-per-seed 1.6 --json sample.json --quiet
+    report relaxed.h5 page.html --quick --quiet
+    shows page "<h1>relaxed</h1>"
+    run -1 grep -q "two.tif" page.html
+}
