@@ -142,8 +142,7 @@ $(OUT)/run.h5 $(OUT)/run.json &: $(OUT)/digests/solve $(OUT)/relaxed.h5 $(whole_
 
 # ---- measures --------------------------------------------------------------------------------------------------------
 $(OUT)/stress_strain.csv $(OUT)/stress_strain.json &: $(OUT)/digests/stress_strain $(OUT)/run.h5
-	$(BIN)/stress_strain $(OUT)/run.h5 $(OUT)/stress_strain.csv $$($(COMMON)flow_strain.py $(OUT)/run.h5) \
-	    --json $(OUT)/stress_strain.json
+	$(BIN)/stress_strain $(OUT)/run.h5 $(OUT)/stress_strain.csv --json $(OUT)/stress_strain.json
 
 $(OUT)/shape_factor.csv $(OUT)/shape_factor_means.csv $(OUT)/shape_factor.json &: $(OUT)/digests/shape_factor \
     $(OUT)/run.h5 $(OUT)/options/shape_factor $(OUT)/shape.parameters

@@ -17,7 +17,6 @@ from run_facts import Steps, real_paths
 
 
 LONG_MEASURES = 3  # pores, topology, volume_change: each wraps the particles of every frame
-DEFAULT_FLOW_STRAIN = 0.295  # what stress_strain still takes for its default --at 0.3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -195,7 +194,6 @@ def measures(run, tools, frames, quick):
         or ("" if run.provenance.scene else "the file does not hold a scene"),
     }
     words = {
-        "stress_strain": flow_strain(run.largest_strain),
         "equilibrium": ("--from", f"{2 / 3 * run.largest_strain:.6g}"),
         "shape_factor": ("--means", "shape_factor_means.csv"),
         "topology": ("--events", "topology_events.csv"),
@@ -214,12 +212,6 @@ def measures(run, tools, frames, quick):
         found.append(Piece(name, name, words.get(name, ()), tables, wide=tools[name]["threads"],
                            optional=name not in known and not run.curves))
     return found, left_out
-
-
-def flow_strain(largest):
-    """Options with which stress_strain measures the flow stress of a run that ends before its default strain: at the largest
-    strain that the run reaches, over the last sixth of it, as by default over the last sixth of 0.3."""
-    return ("--at", f"{largest:.6g}", "--window", f"{largest / 6:.6g}") if 0 < largest < DEFAULT_FLOW_STRAIN else ()
 
 
 def pictures(run, size, quick):

@@ -21,6 +21,17 @@ struct Request {
     double at = 0.3, window = 0.05;
 };
 
+/// Where the flow stress is measured.
+struct FlowWindow {
+    double at, half_width;
+};
+
+/// As asked for; of a run that ends before the default, at its end and as wide in proportion.
+FlowWindow flow_window(const Request& request, double largest, cli::Tool& tool) {
+    if (tool.given("--at") || largest >= request.at - 0.1 * request.window) return {request.at, request.window};
+    return {largest, tool.given("--window") ? request.window : largest * request.window / request.at};
+}
+
 cli::Usage usage(Request& request) {
     return cli::Usage{"stress_strain", "Stress-strain curve of a run, averaged over a window of strain."}
         .input("RUN", request.run, "Run (.h5) whose curve is measured.")
@@ -28,8 +39,8 @@ cli::Usage usage(Request& request) {
         .option("--averaging-strain", request.averaging_strain, cli::Unit::strain, cli::not_negative,
                 "Average the curve over a sliding window of this width; 0 writes every point as it is.")
         .option("--at", request.at, cli::Unit::strain, cli::positive,
-                "Measure the flow stress at this |strain|. Without the option, a run that ends before the default "
-                "value has no flow stress.")
+                "Measure the flow stress at this |strain|. Without the option, that of a run which ends before the "
+                "default value is measured at its end, in a window as wide in proportion.")
         .option("--window", request.window, cli::Unit::strain, cli::positive,
                 "Half-width of the window of |strain| around --at; the flow stress is the mean stress in this window.")
         .step(cli::Step::measure)
@@ -89,13 +100,13 @@ void run(const Request& request, cli::Tool& tool) {
     const RunReader reader(request.run);
     StressResolution resolution;
     const double largest = largest_strain(curves);
-    const bool has_plateau = tool.given("--at") || largest >= request.at - 0.1 * request.window;
     tool.report("points", std::int64_t(table.rows()));
     tool.report("largest_abs_strain", largest);
-    if (has_plateau) {
-        const Plateau flow = plateau(curves, "stress_true", request.at, request.window);
-        const Plateau engineering = plateau(curves, "stress_engineering", request.at, request.window);
-        resolution = stress_resolution(reader, plateau(curves, "equilibrium_error", request.at, request.window).mean);
+    if (largest > 0) {
+        const auto [at, half_width] = flow_window(request, largest, tool);
+        const Plateau flow = plateau(curves, "stress_true", at, half_width);
+        const Plateau engineering = plateau(curves, "stress_engineering", at, half_width);
+        resolution = stress_resolution(reader, plateau(curves, "equilibrium_error", at, half_width).mean);
         tool.report("flow_stress", flow.mean, "Pa");
         if (!resolution.reliable()) tool.report("flow_stress_unreliable", flow.mean, "Pa");
         tool.report("flow_stress_deviation", flow.deviation, "Pa");
@@ -105,7 +116,7 @@ void run(const Request& request, cli::Tool& tool) {
         tool.report("flow_abs_strain_to", flow.to);
     } else {
         resolution = stress_resolution(reader, std::numeric_limits<double>::quiet_NaN());
-        tool.note("the run ends before strain " + std::to_string(request.at) + ": no flow stress; choose with --at");
+        tool.note("the strain does not leave 0: no flow stress");
     }
     report_resolution(resolution, tool);
     table.write(request.table);
