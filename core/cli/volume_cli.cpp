@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 
 #include "core/base/units.hpp"
 #include "core/volume/volume_files.hpp"
@@ -241,17 +242,23 @@ std::array<VoxelIndex, 2> parse_roi(const std::string& flag, const std::string& 
     return region;
 }
 
-std::vector<double> parse_thresholds(const std::string& flag, const std::string& text) {
-    const std::string expected = "numbers that rise, as 83 or 83,140";
-    std::vector<double> thresholds;
+std::vector<double> parse_numbers(const std::string& flag, const std::string& text, const std::string& expected) {
+    std::vector<double> numbers;
     for (const auto part : split(text, ',')) {
         double value = 0;
         const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-        if (error != std::errc() || end != part.data() + part.size() || !std::isfinite(value) ||
-            (!thresholds.empty() && value <= thresholds.back()))
+        if (error != std::errc() || end != part.data() + part.size() || !std::isfinite(value))
             refuse(flag, text, expected);
-        thresholds.push_back(value);
+        numbers.push_back(value);
     }
+    return numbers;
+}
+
+std::vector<double> parse_thresholds(const std::string& flag, const std::string& text) {
+    const std::string expected = "numbers that rise, as 83 or 83,140";
+    const std::vector<double> thresholds = parse_numbers(flag, text, expected);
+    if (std::adjacent_find(thresholds.begin(), thresholds.end(), std::greater_equal<>()) != thresholds.end())
+        refuse(flag, text, expected);
     return thresholds;
 }
 

@@ -56,6 +56,9 @@ Connectivity connectivity_of(const std::string& neighbours);
 /// "x0:x1,y0:y1,z0:z1", x1 not included; {first voxel, number of voxels}. @throws WrongUsage naming `flag`
 std::array<VoxelIndex, 2> parse_roi(const std::string& flag, const std::string& text);
 
+/// "60,180" -> {60, 180}. @throws WrongUsage naming `flag`, with what is expected
+std::vector<double> parse_numbers(const std::string& flag, const std::string& text, const std::string& expected);
+
 /// "83,140" -> {83, 140}, which must rise. @throws WrongUsage naming `flag`
 std::vector<double> parse_thresholds(const std::string& flag, const std::string& text);
 

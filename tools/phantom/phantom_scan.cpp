@@ -34,20 +34,10 @@ cli::Usage usage(Request& request) {
 }
 
 std::vector<double> grey_values(const std::string& text) {
-    std::vector<double> values;
-    std::size_t at = 0;
-    while (at <= text.size()) {
-        const std::size_t end = std::min(text.find(',', at), text.size());
-        try {
-            std::size_t read = 0;
-            const std::string part = text.substr(at, end - at);
-            values.push_back(std::stod(part, &read));
-            if (read != part.size() || values.back() < 0 || values.back() > 255) throw std::invalid_argument(part);
-        } catch (const std::logic_error&) {
-            throw WrongUsage("--grey '" + text + "': expected numbers from 0 to 255 between commas, as 60,180");
-        }
-        at = end + 1;
-    }
+    const std::string expected = "numbers from 0 to 255 between commas, as 60,180";
+    std::vector<double> values = parse_numbers("--grey", text, expected);
+    for (const double value : values)
+        if (value < 0 || value > 255) throw WrongUsage("--grey '" + text + "': expected " + expected);
     return values;
 }
 

@@ -106,19 +106,17 @@ void remove_small(LabelVolume& volume, const Request& request, cli::Tool& tool) 
     if (request.min_component == 0) return;
     constexpr double much = 0.02;
     std::vector<std::int32_t> solid;
-    const auto solid_voxels = [&](bool list) {
-        std::int64_t sum = 0;
-        for (const auto& [label, voxels] : volume.histogram()) {
-            if (label == 0) continue;
-            sum += voxels;
-            if (list) solid.push_back(label);
+    double before = 0, after = 0;
+    for (const auto& [label, voxels] : volume.histogram())
+        if (label != 0) {
+            solid.push_back(label);
+            before += static_cast<double>(voxels);
         }
-        return static_cast<double>(sum);
-    };
-    const double before = solid_voxels(true);
     tool.report("small_components_removed", remove_small_components(volume, solid, request.min_component,
                                                                     connectivity_of(request.connectivity), tool));
-    if (const double removed = 1 - solid_voxels(false) / before; removed > much)
+    for (const auto& [label, voxels] : volume.histogram())
+        if (label != 0) after += static_cast<double>(voxels);
+    if (const double removed = 1 - after / before; removed > much)
         tool.warn(
             fmt::format("--min-component {} takes {:.2g} % of the solid out of the image; give a smaller one, and "
                         "fewer --pixels-per-seed, to keep it",

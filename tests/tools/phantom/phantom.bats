@@ -163,5 +163,7 @@ refused() {
     "$TOMODEM_BIN/phantom_inclusions" two.tif --size 20 --voxel-size 1um --count 1 --diameter 9um --quiet
     refused 1 "label 2 of the volume has no grey value" "$TOMODEM_BIN/phantom_scan" two.tif a.tif --grey 60,180
     refused 2 "--grey" "$TOMODEM_BIN/phantom_scan" two.tif a.tif --grey 60,high
+    refused 2 "--grey" "$TOMODEM_BIN/phantom_scan" two.tif a.tif --grey 60,180,nan
+    refused 2 "--grey" "$TOMODEM_BIN/phantom_scan" two.tif a.tif --grey 60,180,256
     refused 2 "must end in .tif" "$TOMODEM_BIN/phantom_foam" a.json --voxel-size 1um --relative-density 0.1
 }

@@ -199,6 +199,15 @@ PYTHON
     [[ "$output" == *"size_z: 80 voxels"* ]]
 }
 
+@test "--min-component that takes much of the solid away is a warning, and one that takes specks is none" {
+    "$TOMODEM_BIN/phantom_inclusions" balls.tif --size 60 --voxel-size 10um --count 8 --diameter 60um:160um --quiet
+    for size in 500 2; do
+        vol2pack brick.h5 balls.tif out.h5 --relabel 1=0,2=1 --pixels-per-seed 2 --min-component $size --quiet 2>err_$size.txt
+    done
+    grep -q -- "--min-component 500 takes .* % of the solid out of the image; give a smaller one" err_500.txt
+    run -1 grep -q -- "--min-component" err_2.txt
+}
+
 @test "the cast iron of the shared data is filled with its phases within a point" {
     data=${TOMODEM_SHARED:-$TOMODEM_SOURCE/../shared}/data/nodular_cast_iron
     [ -d "$data" ] || skip "no real volume at $data (set TOMODEM_SHARED)"
