@@ -56,6 +56,34 @@ PYTHON
     [ "$(value stress_reliable out.json)" = no ]
 }
 
+# with_scene RUN TEXT: as if it had been solved under another scene
+with_scene() {
+    /usr/bin/python3 - "$@" <<'PYTHON'
+import sys, h5py, numpy as np
+with h5py.File(sys.argv[1], "a") as run:
+    group = run["parameters/tomodem"]
+    del group["scene"]
+    group["scene"] = np.bytes_(sys.argv[2])
+PYTHON
+}
+
+@test "a run is measured whose scene has keys of its time, or a law that this tool does not know" {
+    "$synthetic_run" run.h5
+    scene='[phase.a]
+label = 1
+law = "bilin"
+norton = { K = 95.9, M = 2.45e-3 }
+[load]
+steps = [ { strain = -0.3, rate = 1e-3 } ]
+'
+    with_scene run.h5 "$scene[accuracy]
+equilibrium_error = 1e-3"
+    "$TOMODEM_BIN/stress_strain" run.h5 old.csv --quiet
+    with_scene run.h5 "${scene/bilin/dashpot}"
+    "$TOMODEM_BIN/stress_strain" run.h5 other.csv --quiet
+    [ -s old.csv ] && [ -s other.csv ]
+}
+
 @test "a run that is only partial is called unfinished, and what it holds can be measured" {
     "$synthetic_run" whole.h5
     mv whole.h5 run.h5.partial

@@ -22,9 +22,15 @@ double across_of(const Packing& packing) {
 }
 
 double needed_across(const RunReader& run) {
+    constexpr double viscous = 2.0, others = 3.0;
     const std::string& scene = run.provenance().scene;
-    const bool viscous = !scene.empty() && parse_scene(scene, "of the run").law().traits().damping == Damping::law;
-    return viscous ? 2.0 : 3.0;
+    if (scene.empty()) return others;
+    try {
+        const bool damped = parse_stored_scene(scene, "of the run").law().traits().damping == Damping::law;
+        return damped ? viscous : others;
+    } catch (const InvalidInput&) {
+        return others;  // a law that `solve` alone was built with
+    }
 }
 
 std::int64_t rounded_up(double number) {
