@@ -37,7 +37,7 @@ struct Model {
     double height = 0;  ///< of the sample that the constants are chosen for, centre to centre, in seed diameters
     std::shared_ptr<const LawConstants> constants = {};  ///< what the law keeps beside those of the phases
     double radius_dispersion = 0;                        ///< standard deviation over the mean
-    bool objects_only_push = false;                       ///< attraction only within an object
+    bool objects_only_push = false;                      ///< attraction only within an object
     bool self_contact = false;
     Lateral lateral = Lateral::free;  ///< periodic sides have the edges of the sample's box
     double healing_time = std::numeric_limits<double>::infinity();  ///< s

@@ -19,7 +19,8 @@ cli::Usage usage(Request& request) {
                 "File to write. A .dump holds all frames; several frames as .vtp become NAME_0000.vtp and so on, with "
                 "NAME.pvd, which lists them.",
                 {".dump", ".vtp", ".pvd"})
-        .option("--frames", request.frames, "Frames to write: all, first, last, a number from 0, or several as 0,5,last.")
+        .option("--frames", request.frames,
+                "Frames to write: all, first, last, a number from 0, or several as 0,5,last.")
         .step(cli::Step::picture)
         .example("export_packing run.h5 run.dump")
         .example("export_packing --frames last run.h5 deformed.vtp");

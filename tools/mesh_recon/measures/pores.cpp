@@ -45,7 +45,8 @@ cli::Usage usage(Request& request) {
         .choice("--method", request.method, {"lids", "two-probes", "outward-vectors"},
                 "Method to find the pores: lids closes their mouths; two-probes and outward-vectors are the methods of "
                 "the thesis, for comparison.")
-        .option("--frames", request.frames, "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
+        .option("--frames", request.frames,
+                "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
         .option("--probe-radius", request.probe_radius, cli::Unit::length, cli::positive,
                 "Take as a pore the space where a ball of this radius fits between the centres; the default is 1 "
                 "particle diameter with lids, 0.9 with two-probes and 2 with outward-vectors.")

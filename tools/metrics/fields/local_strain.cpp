@@ -39,7 +39,8 @@ cli::Usage usage(Request& request) {
         .option("--reference", request.reference,
                 "Measure the strain from this frame, counted from 0; previous measures each from the frame before it.")
         .flag("--within-phase", request.within_phase, "Take only neighbours of the particle's own phase.")
-        .option("--frames", request.frames, "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
+        .option("--frames", request.frames,
+                "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
         .output_option("--table", request.table,
                        "Also write the means over all particles and over each phase, with rows for each frame.",
                        {".csv"})

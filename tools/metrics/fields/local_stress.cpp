@@ -40,7 +40,8 @@ cli::Usage usage(Request& request) {
                 "Weight of the particles in the average: ball counts all within the radius alike; gaussian has the "
                 "same width (standard deviation along an axis radius / sqrt 5, cut off at 1.5 radii).")
         .flag("--within-phase", request.within_phase, "Average each phase over its own particles only.")
-        .option("--frames", request.frames, "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
+        .option("--frames", request.frames,
+                "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
         .output_option("--table", request.table,
                        "Also write the means over all particles and over each phase, with rows for each frame.",
                        {".csv"})

@@ -38,7 +38,8 @@ cli::Usage usage(Request& request) {
         .input("RUN", request.run, "Run (.h5) written by solve.")
         .output("TABLE", request.table,
                 "Table to write, with one row of all particles and one of each phase for each frame.", {".csv"})
-        .option("--frames", request.frames, "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
+        .option("--frames", request.frames,
+                "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
         .option("--averaging-strain", request.averaging_strain, cli::Unit::strain, cli::not_negative,
                 "Average the energies over a sliding window of strain of this width; 0 does not average. It does not "
                 "apply to the forces, which solve averages.")

@@ -31,7 +31,8 @@ cli::Usage usage(Request& request) {
         .option("--reach", request.reach, cli::Unit::none, {.low = 0.5, .high = 3.0},
                 "Count a pair as a contact when its centres are closer than this many times the sum of the two radii: "
                 "1 is the contact of the seeds, r_c / r_s (1.5 for BILIN) that of the crowns.")
-        .option("--frames", request.frames, "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
+        .option("--frames", request.frames,
+                "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
         .output_option("--fields", request.fields,
                        "Also write the contacts of each particle, and beside the file a .xdmf for ParaView.", {".h5"})
         .threads()

@@ -27,7 +27,8 @@ cli::Usage usage(Request& request) {
         .input("RUN", request.run, "Run or sample (.h5) to measure.")
         .output("TABLE", request.table,
                 "Table to write, with one row of all particles and one of each phase for each frame.", {".csv"})
-        .option("--frames", request.frames, "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
+        .option("--frames", request.frames,
+                "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
         .output_option("--fields", request.fields,
                        "Also write the order of each particle (0 none, 1 fcc, 2 hcp, 3 bcc, 4 icosahedral), and "
                        "beside the file a .xdmf for ParaView.",

@@ -40,7 +40,8 @@ cli::Usage usage(Request& request) {
         "run, frame by frame."}
         .input("RUN", request.run, "Run or sample (.h5) whose particles carry the number of their object.")
         .output("TABLE", request.table, "Table to write, with one row for each frame and object.", {".csv"})
-        .option("--frames", request.frames, "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
+        .option("--frames", request.frames,
+                "Frames to measure: all, first, last, a number from 0, or several as 0,5,last.")
         .option("--min-particles", request.min_particles, cli::Unit::particles, {.low = 4},
                 "Leave out objects with fewer particles.")
         .flag("--exclude-boundary", request.exclude_boundary,
