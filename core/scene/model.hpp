@@ -31,10 +31,13 @@ struct PhaseModel {
 struct Model {
     double seed_radius;              ///< mm, in the scene's lengths
     double crown_radius;             ///< mm
-    double time_step;                ///< s
+    double time_step;                ///< s; quasi-static: of a step at the highest rate
     std::vector<PhaseModel> phases;  ///< those that the sample contains, in the order of their labels
     const Law* law = &bilin_law();
-    double height = 0;  ///< of the sample that the constants are chosen for, centre to centre, in seed diameters
+    Scheme scheme = Scheme::explicit_steps;
+    double strain_per_step = 0;  ///< quasi-static: of the load, each segment with a time step of its own [-]
+    double imbalance = 0;  ///< quasi-static: net force over viscous force on the particles that a solution may have
+    double height = 0;     ///< of the sample that the constants are chosen for, centre to centre, in seed diameters
     std::shared_ptr<const LawConstants> constants = {};  ///< what the law keeps beside those of the phases
     double radius_dispersion = 0;                        ///< standard deviation over the mean
     bool objects_only_push = false;                      ///< attraction only within an object

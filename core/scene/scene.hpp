@@ -74,6 +74,12 @@ struct Initiation {
 /// at constant volume.
 enum class Lateral { free, periodic, isochoric };
 
+/// How a run finds the motion of its particles.
+enum class Scheme {
+    explicit_steps,  ///< forces accelerate masses, in steps that are short enough to be stable
+    quasi_static     ///< each step of strain is solved for the velocities at which the forces balance; there is no mass
+};
+
 /// A rigid triangulated surface with a prescribed translation; a sensor of the force on it.
 struct Wall {
     std::string name;
@@ -109,8 +115,9 @@ struct Scene {
     std::int64_t load_line = 0;
     std::vector<Wall> walls;
 
-    std::optional<double> time_step;         ///< s; chosen from strain_per_step when not given
-    double strain_per_step = 5e-6;           ///< largest strain in one time step [-]: the knob of speed against inertia
+    std::optional<double> time_step;  ///< s; chosen from strain_per_step when not given
+    double strain_per_step = 5e-6;    ///< largest strain in one time step [-]: the knob of speed against inertia
+    Scheme scheme = Scheme::explicit_steps;
     LawNumbers law_accuracy;                 ///< of [accuracy]
     std::optional<Calibration> calibration;  ///< of the scene's own: [accuracy] calibration, or a table [calibration]
     std::filesystem::path calibration_file;  ///< where it was read from; empty where the scene's text holds it

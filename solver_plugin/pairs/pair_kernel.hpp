@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include "solver_plugin/pairs/contact_memory.hpp"
 #include "solver_plugin/pairs/packed_particles.hpp"
@@ -19,6 +20,26 @@ struct WallContact {
     double rate;         ///< of the distance, relative to the wall
     double other_force;  ///< of everything else on the particle, along the normal
     double time_step_over_mass;
+};
+
+/// A wall within reach of a particle, for a kernel that finds the velocities itself.
+struct NearWall {
+    int particle;
+    double normal[3];  ///< from the wall to the particle
+    double distance;   ///< of the particle's centre
+    double velocity;   ///< of the wall along the normal: mean over the interval that is asked for
+};
+
+/// The simulation around a kernel that finds the velocities itself.
+class FlowSurroundings {
+ public:
+    virtual ~FlowSurroundings() = default;
+    /// Sums over the processes, in place; the same numbers on each of them.
+    virtual void add_up(double* values, std::size_t count) const = 0;
+    /// Walls within reach of the particles of this process where the particles are now.
+    /// @param start     of the interval, in time after the present step [s]
+    /// @param interval  to come [s]
+    virtual std::vector<NearWall> walls(double start, double interval) const = 0;
 };
 
 /// The forces of one law in one simulation: a call for all pairs of a step, never one for a pair.
@@ -53,6 +74,16 @@ class PairKernel {
     /// Elastic energy of the overlapping seeds; half of it for pairs with a ghost.
     virtual double seed_energy(const ParticleView& particles, const NeighbourView& list) const = 0;
 
+    /// Whether add_forces() finds the velocities with which the particles go on, and writes them (PairStep::velocity),
+    /// instead of forces that accelerate them.
+    virtual bool finds_velocities() const { return false; }
+    /// Of such a kernel: how long its velocities are good for [s]; a step may have to be made in parts.
+    virtual double interval() const { return 0; }
+    /// Of such a kernel: whether a step that it cannot make at once is made in parts; while a sample comes to rest,
+    /// time does not count, and it is cut short.
+    virtual bool keeps_time() const { return true; }
+    void set_surroundings(const FlowSurroundings* surroundings) { surroundings_ = surroundings; }
+
     /// Numbers of a particle that its ghosts on other processes need between two passes of add_forces(); 0: none.
     virtual int exchanged() const { return 0; }
     virtual void pack(int /*i*/, double* /*numbers*/) const {}
@@ -75,6 +106,7 @@ class PairKernel {
 
  protected:
     void exchange() const { exchange_(); }
+    const FlowSurroundings& surroundings() const { return *surroundings_; }
 
     /// Of seeds that overlap as springs do.
     /// @param seeds  (i, j) to {sum of the seed radii, stiffness}
@@ -96,6 +128,7 @@ class PairKernel {
 
  private:
     std::function<void()> exchange_;
+    const FlowSurroundings* surroundings_ = nullptr;
 };
 
 inline void PairKernel::add_forces(const ParticleView& particles, const NeighbourView& list, const PairStep&,
