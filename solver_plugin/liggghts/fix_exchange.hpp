@@ -16,12 +16,14 @@ class FixExchange : public LAMMPS_NS::Fix {
     int setmask() override { return 0; }
     int pack_comm(int count, int* list, double* buffer, int, int*) override {
         const PairKernel& from = kernel();
-        for (int k = 0; k < count; ++k) from.pack(list[k], buffer + comm_forward * k);
-        return comm_forward;
+        const int size = from.carried();
+        for (int k = 0; k < count; ++k) from.pack(list[k], buffer + size * k);
+        return size;
     }
     void unpack_comm(int count, int first, double* buffer) override {
         PairKernel& to = kernel();
-        for (int k = 0; k < count; ++k) to.unpack(first + k, buffer + comm_forward * k);
+        const int size = to.carried();
+        for (int k = 0; k < count; ++k) to.unpack(first + k, buffer + size * k);
     }
 
  private:

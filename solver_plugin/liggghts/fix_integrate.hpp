@@ -3,6 +3,8 @@
 
 namespace tomodem::plugin {
 
+class LawPair;
+
 /// `fix ID all tomodem/integrate`: velocity-Verlet of the centres, in place of LIGGGHTS' fix nve.
 ///
 /// Between two steps of a run the two half kicks are made at once: velocities are those of whole steps only after the
@@ -14,6 +16,9 @@ class FixIntegrate : public LAMMPS_NS::Fix {
     int setmask() override;
     void initial_integrate(int) override;
     void final_integrate() override;
+
+ private:
+    void follow(LawPair& pair);
 };
 
 }  // namespace tomodem::plugin

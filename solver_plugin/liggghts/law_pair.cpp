@@ -5,8 +5,10 @@
 
 #include "core/base/error.hpp"
 #include "solver_plugin/liggghts/fix_contact.hpp"
+#include "solver_plugin/liggghts/planes.hpp"
 #include "solver_plugin/liggghts/registration.hpp"
 #include "solver_plugin/liggghts/script_wall.hpp"
+#include "solver_plugin/liggghts/surfaces.hpp"
 
 namespace tomodem::plugin {
 
@@ -23,7 +25,7 @@ std::map<const LAMMPS*, LawPair*>& pair_styles() {
 }  // namespace
 
 LawPair::LawPair(LAMMPS* lmp, PairGran* owner, const Law& law)
-    : Pointers(lmp), owner_(owner), law_(law), solver_law_(make_solver_law(law)), kernel_(solver_law_->kernel()) {
+    : Pointers(lmp), owner_(owner), law_(law), solver_law_(make_solver_law(law)) {
     pair_styles()[lmp] = this;
     register_fixes(*lmp);
 }
@@ -57,19 +59,20 @@ void LawPair::init_granular() {
     if (force->newton_pair) error->all(FLERR, (name + " needs 'newton off'").c_str());
     if (!given_) refuse_in_script([&] { solver_law_->connect(force->registry, name.c_str()); });
     // What a kernel looks for itself, LIGGGHTS need not; where it is asked for energies it does.
-    if (kernel_.packed() != nullptr && given_)
+    if ((kernel().packed() != nullptr || kernel().finds_velocities()) && given_)
         for (int k = 0; k < neighbor->nrequest; ++k)
             if (neighbor->requests[k]->requestor == owner_) neighbor->requests[k]->occasional = 1;
     const int fix = modify->find_fix("contact");
     contact_ = fix < 0 ? nullptr : dynamic_cast<FixContact*>(modify->fix[fix]);
-    if (kernel_.exchanged() == 0) return;
+    if (kernel().exchanged() == 0) return;
     if (modify->find_fix("tomodem_exchange") < 0) {
         std::string words[] = {"tomodem_exchange", "all", "tomodem/exchange"};
         char* arguments[] = {words[0].data(), words[1].data(), words[2].data()};
         modify->add_fix(3, arguments);
     }
     Fix* const exchange = modify->fix[modify->find_fix("tomodem_exchange")];
-    kernel_.set_exchange([this, exchange] { comm->forward_comm_fix(exchange); });
+    kernel().set_surroundings(this);
+    kernel().set_exchange([this, exchange] { comm->forward_comm_fix(exchange); });
 }
 
 int64_t LawPair::hashcode() {
@@ -121,7 +124,7 @@ void LawPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, in
     else
         pair->evflag = pair->vflag_fdotr = 0;
     // An exchange is for all processes.
-    if (atom->nlocal + atom->nghost == 0 && kernel_.exchanged() == 0) return;
+    if (atom->nlocal + atom->nghost == 0 && kernel().exchanged() == 0) return;
     PairStep step;
     step.number = update->ntimestep;
     step.time_step = update->dt;
@@ -134,8 +137,53 @@ void LawPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, in
     const PairKernel::UsePair tally = [&](int i, int j, const double* force, const double* apart) {
         pair->ev_tally_xyz(i, j, atom->nlocal, 0, 0, 0, force[0], force[1], force[2], apart[0], apart[1], apart[2]);
     };
-    kernel_.add_forces(particles(), list(), step, atom->f[0], memory, pair->evflag && !given_ ? &tally : nullptr);
+    step.velocity = atom->v[0];
+    kernel().add_forces(particles(), list(), step, atom->f[0], memory, pair->evflag && !given_ ? &tally : nullptr);
     if (memory != nullptr) memory->finish_step();
+}
+
+void LawPair::solve_from(double start) {
+    comm->forward_comm();
+    PairStep step;
+    step.number = update->ntimestep;
+    step.time_step = update->dt;
+    step.start = start;
+    step.velocity = atom->v[0];
+    step.set_up = false;
+    std::vector<double> forces(3 * static_cast<std::size_t>(atom->nlocal) + 1);
+    kernel().add_forces(particles(), list(), step, forces.data(), nullptr, nullptr);
+}
+
+void LawPair::add_up(double* values, std::size_t count) const {
+    // The sum is made by one process: all have the same to the last bit.
+    if (comm->nprocs == 1) return;
+    const int size = static_cast<int>(count);
+    if (comm->me == 0)
+        MPI_Reduce(MPI_IN_PLACE, values, size, MPI_DOUBLE, MPI_SUM, 0, world);
+    else
+        MPI_Reduce(values, nullptr, size, MPI_DOUBLE, MPI_SUM, 0, world);
+    MPI_Bcast(values, size, MPI_DOUBLE, 0, world);
+}
+
+void LawPair::take_largest(double* values, std::size_t count) const {
+    MPI_Allreduce(MPI_IN_PLACE, values, static_cast<int>(count), MPI_DOUBLE, MPI_MAX, world);
+}
+
+std::vector<NearWall> LawPair::walls(double start, double interval) const {
+    std::vector<NearWall> walls;
+    // A surface may touch a particle in several places.
+    constexpr int most_contacts = 64;
+    int number = 0;
+    for (int k = 0; k < modify->nfix; ++k) {
+        if (const auto* planes = dynamic_cast<const FixPlanes*>(modify->fix[k]))
+            planes->add_walls(start, interval, number, walls);
+        else if (const auto* surface = dynamic_cast<const FixSurface*>(modify->fix[k]))
+            surface->add_walls(start, interval, number, walls);
+        else
+            continue;
+        number += most_contacts;
+    }
+    return walls;
 }
 
 double LawPair::lateral_virial() const {
@@ -149,6 +197,10 @@ double LawPair::lateral_virial() const {
 }
 
 void LawPair::pair_forces(const PairKernel::UsePair& use) const {
+    if (kernel().finds_velocities()) {
+        kernel().pair_forces(particles(), list(), nullptr, use);
+        return;
+    }
     // Ghosts still hold the velocities of the half step; those of this process have been kicked since.
     std::vector<double> velocity(3 * static_cast<std::size_t>(atom->nlocal + atom->nghost));
     for (int i = 0; i < atom->nlocal + atom->nghost; ++i)
@@ -158,13 +210,13 @@ void LawPair::pair_forces(const PairKernel::UsePair& use) const {
         }
     ParticleView view = particles();
     view.velocity = velocity.data();
-    kernel_.pair_forces(view, list(), contact_ == nullptr ? nullptr : &contact_->memory(), use);
+    kernel().pair_forces(view, list(), contact_ == nullptr ? nullptr : &contact_->memory(), use);
 }
 
 double LawPair::wall_force(int i, double distance, const double* normal, double rate) const {
     double other = 0;
     for (int c = 0; c < 3; ++c) other += normal[c] * atom->f[i][c];
-    return kernel_.wall_force({i, atom->type[i], atom->radius[i], distance, rate, other, update->dt / atom->rmass[i]});
+    return kernel().wall_force({i, atom->type[i], atom->radius[i], distance, rate, other, update->dt / atom->rmass[i]});
 }
 
 double script_wall_force(LAMMPS& lmp, int i, double distance, const double* normal, double rate) {

@@ -15,7 +15,7 @@ class FixContact;
 ///
 /// It replaces LIGGGHTS' generic pair loop: no rotation, no torque, no contact history. The radius of a particle is its
 /// crown radius. Needs `newton off` and `communicate single vel yes` (ghosts carry the velocity that the laws read).
-class LawPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranularPairStyle {
+class LawPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranularPairStyle, private FlowSurroundings {
  public:
     LawPair(LAMMPS_NS::LAMMPS* lmp, LAMMPS_NS::PairGran* owner, const Law& law);
     ~LawPair() override;
@@ -26,17 +26,19 @@ class LawPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranu
     void use(const PresentModel& present);
     /// Attraction only within an object: number of each particle by id - 1, kept by the caller; null: everywhere.
     void separate_objects(const std::int32_t* object) { object_ = object; }
-    const PairKernel& kernel() const { return kernel_; }
-    PairKernel& kernel() { return kernel_; }
+    const PairKernel& kernel() const { return solver_law_->kernel(); }
+    PairKernel& kernel() { return solver_law_->kernel(); }
+    /// Of a kernel that finds the velocities: solves the present step anew from `start` [s] after it on.
+    void solve_from(double start);
 
     /// Calls use(i, j) for every pair that may be in the crown: those of two particles of this process once, those
     /// with a ghost with i of this process. Between runs, or in a step after the forces.
     template <class Use>
     void for_each_pair(Use use) const {
-        kernel_.for_each_pair(list(), use);
+        kernel().for_each_pair(list(), use);
     }
     /// Elastic energy of the overlapping seeds of this process' share of the pairs.
-    double seed_energy() const { return kernel_.seed_energy(particles(), list()); }
+    double seed_energy() const { return kernel().seed_energy(particles(), list()); }
     /// Sum over this process' share of the pairs of (f_x l_x + f_y l_y) / 2, l the vector between the centres: the
     /// lateral pressure times the volume, as the law saw it in the last step of a run.
     double lateral_virial() const;
@@ -63,13 +65,15 @@ class LawPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranu
     template <class Do>
     void refuse_in_script(Do something);
     void read_properties();
+    void add_up(double* values, std::size_t count) const override;
+    void take_largest(double* values, std::size_t count) const override;
+    std::vector<NearWall> walls(double start, double interval) const override;
     ParticleView particles() const;
     NeighbourView list() const;
 
     LAMMPS_NS::PairGran* owner_;
     const Law& law_;
     std::unique_ptr<SolverLaw> solver_law_;
-    PairKernel& kernel_;
     bool given_ = false;  ///< the constants came by use()
     const std::int32_t* object_ = nullptr;
     FixContact* contact_ = nullptr;

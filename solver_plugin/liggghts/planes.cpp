@@ -56,15 +56,42 @@ void FixPlanes::take_along(double time) {
             atom->f[i][axis] += atom->rmass[i] * slope[axis] * (atom->x[i][axis] - motion_.centre[axis]);
 }
 
+double FixPlanes::half_gap(double time) const {
+    return 0.5 * motion_.initial_height * std::exp(motion_.segment.strain_at(time)) + motion_.seed_radius;
+}
+
+void FixPlanes::add_walls(double start, double interval, int first, std::vector<NearWall>& walls) const {
+    const double from = half_gap(time() + start);
+    const double velocity = (half_gap(time() + start + interval) - from) / interval;
+    for (int i = 0; i < atom->nlocal; ++i) {
+        const double height = atom->x[i][2] - motion_.centre[2];
+        if (from + height < atom->radius[i]) walls.push_back({i, first, {0, 0, 1}, from + height, -velocity});
+        if (from - height < atom->radius[i]) walls.push_back({i, first + 1, {0, 0, -1}, from - height, -velocity});
+    }
+}
+
+std::array<double, 3> FixPlanes::growth(double before, double interval) const {
+    const double from = time() - before;
+    const double now = motion_.segment.rate_at(from), next = motion_.segment.rate_at(from + interval);
+    const double change = now != 0 ? next / now : 1;
+    return {change * (1 - 0.5 * now * interval) - 1, change * (1 - 0.5 * now * interval) - 1,
+            change * (1 + now * interval) - 1};
+}
+
 void FixPlanes::post_force(int) {
     const LoadSegment& segment = motion_.segment;
-    const double time = update->dt * static_cast<double>(update->ntimestep - motion_.first_step);
-    const double half_gap = 0.5 * motion_.initial_height * std::exp(segment.strain_at(time)) + motion_.seed_radius;
-    const double low = motion_.centre[2] - half_gap, high = motion_.centre[2] + half_gap;
-    // The particles hold their half-step velocities when forces are computed: so do the planes.
-    const double half_step = time - 0.5 * update->dt;
-    const double velocity =
-        0.5 * segment.rate_at(half_step) * motion_.initial_height * std::exp(segment.strain_at(half_step));
+    const double time = this->time();
+    const double gap = half_gap(time);
+    const double low = motion_.centre[2] - gap, high = motion_.centre[2] + gap;
+    double velocity = 0;
+    if (LawPair::of(*lmp)->kernel().finds_velocities()) {
+        const double interval = LawPair::of(*lmp)->kernel().interval();
+        velocity = (half_gap(time + interval) - gap) / interval;
+    } else {
+        // The particles hold their half-step velocities when forces are computed: so do the planes.
+        const double half_step = time - 0.5 * update->dt;
+        velocity = 0.5 * segment.rate_at(half_step) * motion_.initial_height * std::exp(segment.strain_at(half_step));
+    }
 
     // Particles move by less than half a skin between two builds; a plane may outrun them.
     const bool outrun = std::abs(high - chosen_high_) > 0.5 * neighbor->skin;

@@ -1,8 +1,10 @@
 #pragma once
+#include <array>
 #include <vector>
 
 #include "core/scene/load_path.hpp"
 #include "solver_plugin/liggghts/liggghts.hpp"
+#include "solver_plugin/pairs/pair_kernel.hpp"
 
 namespace tomodem::plugin {
 
@@ -37,11 +39,22 @@ class FixPlanes : public LAMMPS_NS::Fix {
     void tally_at(LAMMPS_NS::bigint step) { tally_step_ = step; }
     double tallied(int i) const { return tally_[static_cast<std::size_t>(i)]; }
 
+    /// Those within reach of a particle of this process, for a kernel that finds the velocities; walls are numbered
+    /// `first` (below) and `first` + 1.
+    /// @param start, interval  as FlowSurroundings::walls()
+    void add_walls(double start, double interval, int first, std::vector<NearWall>& walls) const;
+    /// What a uniform flow adds to the velocity of a particle that moves with it, over that velocity.
+    /// @param before    the present step the motion begins [s]
+    /// @param interval  that it takes [s]
+    std::array<double, 3> growth(double before, double interval) const;
+
     int setmask() override;
     void setup(int flag) override { post_force(flag); }
     void post_force(int) override;
 
  private:
+    double time() const { return update->dt * static_cast<double>(update->ntimestep - motion_.first_step); }
+    double half_gap(double time) const;
     void take_along(double time);
     void choose_candidates(double low, double high);
     double press(const std::vector<int>& candidates, double plane, double velocity, double inward);

@@ -17,8 +17,8 @@ int FixSurface::setmask() {
     return FixConst::POST_FORCE;
 }
 
-Vec3 FixSurface::displacement(bigint step) const {
-    const double time = update->dt * static_cast<double>(step - first_step_);
+Vec3 FixSurface::displacement(bigint step, double after) const {
+    const double time = update->dt * static_cast<double>(step - first_step_) + after;
     return std::max(0.0, std::min(time, motion_.stop) - motion_.start) * motion_.velocity;
 }
 
@@ -57,14 +57,41 @@ void FixSurface::choose_candidates(const Vec3& moved) {
     chosen_at_ = moved;
 }
 
+void FixSurface::add_walls(double start, double interval, int number, std::vector<NearWall>& walls) const {
+    const Vec3 moved = displacement(update->ntimestep, start);
+    const Vec3 velocity = (displacement(update->ntimestep, start + interval) - moved) / interval;
+    std::vector<int> found;
+    std::vector<SurfaceContact> contacts;
+    for (int i = 0; i < atom->nlocal; ++i) {
+        found.clear();
+        tree_->near(place_of(i, moved), atom->radius[i], found);
+        if (found.empty()) continue;
+        tree_->contacts(found, place_of(i, moved), atom->radius[i], contacts);
+        for (std::size_t k = 0; k < contacts.size(); ++k) {
+            const Vec3& normal = contacts[k].direction;
+            walls.push_back({i,
+                             number + static_cast<int>(k),
+                             {normal[0], normal[1], normal[2]},
+                             contacts[k].distance,
+                             normal.dot(velocity)});
+        }
+    }
+}
+
 void FixSurface::post_force(int) {
     const Vec3 moved = displacement(update->ntimestep);
     const bool outrun = (moved - chosen_at_).norm() > 0.5 * neighbor->skin;
     if (neighbor->ago == 0 || update->setupflag || outrun) choose_candidates(moved);
 
-    // The particles hold their half-step velocities when forces are computed: so does the surface.
-    const Vec3 velocity = (moved - displacement(update->ntimestep - 1)) / update->dt;
     const LawPair& pair = *LawPair::of(*lmp);
+    Vec3 velocity;
+    if (pair.kernel().finds_velocities()) {
+        const double interval = pair.kernel().interval();
+        velocity = (displacement(update->ntimestep, interval) - moved) / interval;
+    } else {
+        // The particles hold their half-step velocities when forces are computed: so does the surface.
+        velocity = (moved - displacement(update->ntimestep - 1)) / update->dt;
+    }
     Vec3 total = Vec3::Zero();
     const bool tallies = tally_step_ == update->ntimestep;
     if (tallies) tally_.assign(static_cast<std::size_t>(atom->nlocal), {});

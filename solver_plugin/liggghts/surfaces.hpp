@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solver_plugin/liggghts/liggghts.hpp"
+#include "solver_plugin/pairs/pair_kernel.hpp"
 #include "solver_plugin/pairs/triangle_contacts.hpp"
 
 namespace tomodem::plugin {
@@ -38,12 +39,17 @@ class FixSurface : public LAMMPS_NS::Fix {
     void tally_at(LAMMPS_NS::bigint step) { tally_step_ = step; }
     const std::array<double, 6>& tallied(int i) const { return tally_[static_cast<std::size_t>(i)]; }
 
+    /// Contacts with the particles of this process, for a kernel that finds the velocities.
+    /// @param start, interval  as FlowSurroundings::walls()
+    void add_walls(double start, double interval, int number, std::vector<NearWall>& walls) const;
+
     int setmask() override;
     void setup(int flag) override { post_force(flag); }
     void post_force(int) override;
 
  private:
-    Vec3 displacement(LAMMPS_NS::bigint step) const;
+    /// @param after  the step [s]
+    Vec3 displacement(LAMMPS_NS::bigint step, double after = 0) const;
     Vec3 place_of(int i, const Vec3& displacement) const;
     void choose_candidates(const Vec3& displacement);
 

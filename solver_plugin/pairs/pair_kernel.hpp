@@ -25,6 +25,7 @@ struct WallContact {
 /// A wall within reach of a particle, for a kernel that finds the velocities itself.
 struct NearWall {
     int particle;
+    int wall;          ///< its number: a particle may be near several
     double normal[3];  ///< from the wall to the particle
     double distance;   ///< of the particle's centre
     double velocity;   ///< of the wall along the normal: mean over the interval that is asked for
@@ -36,6 +37,8 @@ class FlowSurroundings {
     virtual ~FlowSurroundings() = default;
     /// Sums over the processes, in place; the same numbers on each of them.
     virtual void add_up(double* values, std::size_t count) const = 0;
+    /// The largest over the processes, likewise.
+    virtual void take_largest(double* values, std::size_t count) const = 0;
     /// Walls within reach of the particles of this process where the particles are now.
     /// @param start     of the interval, in time after the present step [s]
     /// @param interval  to come [s]
@@ -86,6 +89,8 @@ class PairKernel {
 
     /// Numbers of a particle that its ghosts on other processes need between two passes of add_forces(); 0: none.
     virtual int exchanged() const { return 0; }
+    /// How many of them the present exchange carries.
+    virtual int carried() const { return exchanged(); }
     virtual void pack(int /*i*/, double* /*numbers*/) const {}
     virtual void unpack(int /*i*/, const double* /*numbers*/) {}
     /// @param exchange  brings those of each ghost, by pack() and unpack(); collective

@@ -1,6 +1,7 @@
 // NORTON inside LIGGGHTS.
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "core/base/error.hpp"
 #include "core/scene/laws/norton.hpp"
@@ -10,6 +11,7 @@
 #include "solver_plugin/liggghts/solver_law.hpp"
 #include "solver_plugin/pairs/norton_pairs.hpp"
 #include "solver_plugin/pairs/vector_pairs.hpp"
+#include "solver_plugin/quasi_static/norton_flow.hpp"
 
 namespace tomodem::plugin {
 namespace {
@@ -23,7 +25,7 @@ class NortonSolverLaw final : public SolverLaw {
             throw InvalidInput("law \"norton\" needs a processor with AVX2 and FMA, as x86-64 ones have since 2013");
     }
 
-    PairKernel& kernel() override { return pairs_; }
+    PairKernel& kernel() override { return flow_ ? static_cast<PairKernel&>(*flow_) : pairs_; }
 
     void use(const PresentModel& present) override {
         law::Norton law = norton_of(present.model);
@@ -32,7 +34,12 @@ class NortonSolverLaw final : public SolverLaw {
             law.materials[k].consistency *= present.strength[k];
             law.materials[k].strength *= present.strength[k];
         }
-        pairs_.set_law(law, norton_law().traits().list_skin);
+        if (present.model.scheme == Scheme::quasi_static) {
+            if (!flow_) flow_ = std::make_unique<NortonFlow>();
+            flow_->set_law(law, present.model.imbalance);
+        } else {
+            pairs_.set_law(law, norton_law().traits().list_skin);
+        }
     }
 
     void connect(PropertyRegistry& registry, const char* caller) override {
@@ -63,6 +70,7 @@ class NortonSolverLaw final : public SolverLaw {
     static constexpr char consistency[] = "consistency", sensitivity[] = "rateSensitivity", flow_rate[] = "flowRate";
 
     NortonPairs pairs_;
+    std::unique_ptr<NortonFlow> flow_;  ///< of the quasi-static scheme, in its place
     double* consistency_ = nullptr;
     double* sensitivity_ = nullptr;
     double flow_rate_ = 0;

@@ -1,0 +1,472 @@
+#include "solver_plugin/quasi_static/flow_forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tomodem::plugin {
+namespace {
+
+using C = law::NortonConstants;
+
+/// Of a pair, ready to be multiplied.
+struct Geometry {
+    Four apart, direction;  // the fourth of the direction is 1
+    float distance, over_distance, closeness;
+
+    TOMODEM_INLINE Geometry(Four row, float over_reach)
+        : apart(row), distance(row[3]), over_distance(1 / row[3]), closeness(std::max(0.0F, 1 - row[3] * over_reach)) {
+        direction = apart * over_distance;
+    }
+};
+
+/// {x, y, z, -fourth} of the other particle of a pair: what is opposite, and what is the same.
+constexpr Four opposite{-1, -1, -1, 1};
+
+/// In the fourth place.
+TOMODEM_INLINE Four with_fourth(Four vector, float fourth) {
+    return Four{vector[0], vector[1], vector[2], fourth};
+}
+
+}  // namespace
+
+void FlowForces::place(const ParticleView& particles) {
+    local_count_ = particles.local_count;
+    count_ = particles.count;
+    pairs_.find(particles, C::crown * law_.seed_diameter);
+    type_.resize(static_cast<std::size_t>(local_count_));
+    for (int i = 0; i < local_count_; ++i) type_[i] = static_cast<std::uint8_t>(particles.type[i] - 1);
+    const auto count = static_cast<std::size_t>(count_);
+    fabrics_.resize(count);
+    states_.resize(count);
+    net_.resize(count);
+    damping_.resize(pairs_.size());
+    pushes_.resize(pairs_.pushing().size());
+    clear_sums();
+    sum_fabric();
+    find_fabric(particles);
+    carry_(&fabrics_[0].inverse[0][0], sizeof(Fabric) / sizeof(float), sizeof(Fabric) / sizeof(float));
+    clear_sums();
+    find_cores();
+}
+
+void FlowForces::clear_sums() {
+    sums_.assign(static_cast<std::size_t>(count_), Sums{});
+}
+
+TOMODEM_TWO_PROCESSORS void FlowForces::sum_fabric() {
+    const auto over_reach = static_cast<float>(1 / (C::crown * law_.seed_diameter));
+    const std::vector<FlowPairs::Row>& rows = pairs_.rows();
+    const std::int32_t* const other = pairs_.other();
+    const Four* const apart = pairs_.apart();
+    for (std::size_t row = 0; row + 1 < rows.size(); ++row) {
+        Four diagonal{}, off{}, outward{};
+        for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
+            const Geometry pair(apart[k], over_reach);
+            const float weight = pair.closeness * pair.closeness;
+            const Four squares = with_fourth(pair.apart * pair.apart, weight);
+            const Four mixed = pair.apart * turned(pair.apart), away = pair.direction * weight;
+            Sums& theirs = sums_[other[k]];
+            theirs.moment[0] += squares;
+            theirs.moment[1] += mixed;
+            theirs.outward -= away;
+            diagonal += squares;
+            off += mixed;
+            outward += away;
+        }
+        Sums& own = sums_[rows[row].particle];
+        own.moment[0] += diagonal;
+        own.moment[1] += off;
+        own.outward += outward;
+    }
+    // Surfaces of two objects that meet are no free surfaces any more.
+    for (const FlowPairs::Pushing& one : pairs_.pushing()) {
+        const Geometry pair(one.apart, over_reach);
+        const float weight = pair.closeness * pair.closeness;
+        sums_[one.particle].outward += pair.direction * weight;
+        sums_[one.other].outward -= pair.direction * weight;
+        sums_[one.particle].moment[0][3] += weight;
+        sums_[one.other].moment[0][3] += weight;
+    }
+}
+
+void FlowForces::find_fabric(const ParticleView& particles) {
+    const double d = law_.seed_diameter, floor = C::fabric_floor * d * d;
+    for (int i = 0; i < local_count_; ++i) {
+        const Sums& sums = sums_[i];
+        const law::NortonMaterial& material = law_.materials[particles.type[i] - 1];
+        const double xx = sums.moment[0][0] + floor, yy = sums.moment[0][1] + floor, zz = sums.moment[0][2] + floor;
+        const double xy = sums.moment[1][0], yz = sums.moment[1][1], zx = sums.moment[1][2];
+        const double cofactor[6] = {yy * zz - yz * yz, xx * zz - zx * zx, xx * yy - xy * xy,
+                                    yz * zx - xy * zz, xy * zx - xx * yz, xy * yz - yy * zx};
+        const double over = 1 / (xx * cofactor[0] + xy * cofactor[3] + zx * cofactor[5]);
+        float inverse[6];
+        for (int c = 0; c < 6; ++c) inverse[c] = static_cast<float>(cofactor[c] * over);
+        double squares = C::smoothing * C::smoothing;
+        for (int c = 0; c < 3; ++c) squares += static_cast<double>(sums.outward[c]) * sums.outward[c];
+        const double length = std::sqrt(squares);
+        const double density = sums.moment[0][3] + C::surface * (length - C::smoothing);
+        const double pressure = C::pressure * d * d * material.strength * (density / C::rest_density - 1);
+        Fabric& fabric = fabrics_[i];
+        fabric.inverse[0] = Four{inverse[0], inverse[3], inverse[4], static_cast<float>(pressure)};
+        fabric.inverse[1] = Four{inverse[3], inverse[1], inverse[5], 0};
+        fabric.inverse[2] = Four{inverse[4], inverse[5], inverse[2], static_cast<float>(material.strength)};
+        fabric.outward = with_fourth(sums.outward / static_cast<float>(length), 0);
+    }
+}
+
+void FlowForces::find_cores() {
+    const auto core = static_cast<float>(C::core * law_.seed_diameter);
+    const auto half_stiffness = static_cast<float>(0.5 * C::core_stiffness * law_.seed_diameter);
+    cores_.clear();
+    const std::vector<FlowPairs::Row>& rows = pairs_.rows();
+    for (std::size_t row = 0; row + 1 < rows.size(); ++row)
+        for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
+            const float overlap = core - pairs_.apart()[k][3];
+            if (overlap <= 0) continue;
+            const float strengths =
+                fabrics_[rows[row].particle].inverse[2][3] + fabrics_[pairs_.other()[k]].inverse[2][3];
+            cores_.push_back({k, static_cast<std::uint32_t>(row), half_stiffness * strengths, overlap});
+        }
+}
+
+TOMODEM_TWO_PROCESSORS void FlowForces::add_moments(const Four* velocity) {
+    const auto over_reach = static_cast<float>(1 / (C::crown * law_.seed_diameter));
+    const std::vector<FlowPairs::Row>& rows = pairs_.rows();
+    const std::int32_t* const other = pairs_.other();
+    const Four* const apart = pairs_.apart();
+    Sums* const all = sums_.data();
+    for (std::size_t row = 0; row + 1 < rows.size(); ++row) {
+        const std::int32_t i = rows[row].particle;
+        const Four own = velocity[i];
+        Four x{}, y{}, z{}, outward{};
+        for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
+            const std::int32_t j = other[k];
+            const Geometry pair(apart[k], over_reach);
+            const Four speed = own - velocity[j];
+            const Four of_x = pair.apart * speed[0], of_y = pair.apart * speed[1], of_z = pair.apart * speed[2];
+            const float separation = sum_of_three(speed * pair.direction);
+            const float crowding = -2 * pair.closeness * over_reach * separation;
+            const float turning = pair.closeness * pair.closeness * pair.over_distance;
+            const Four tilt =
+                with_fourth(pair.direction * (crowding - turning * separation) + speed * turning, crowding);
+            Sums& theirs = all[j];
+            theirs.moment[0] += of_x;
+            theirs.moment[1] += of_y;
+            theirs.moment[2] += of_z;
+            theirs.outward += opposite * tilt;
+            x += of_x;
+            y += of_y;
+            z += of_z;
+            outward += tilt;
+        }
+        Sums& mine = all[i];
+        mine.moment[0] += x;
+        mine.moment[1] += y;
+        mine.moment[2] += z;
+        mine.outward += outward;
+    }
+    for (const FlowPairs::Pushing& one : pairs_.pushing()) {
+        const Geometry pair(one.apart, over_reach);
+        const Four speed = velocity[one.particle] - velocity[one.other];
+        const float separation = sum_of_three(speed * pair.direction);
+        const float crowding = -2 * pair.closeness * over_reach * separation;
+        const float turning = pair.closeness * pair.closeness * pair.over_distance;
+        const Four tilt = with_fourth(pair.direction * (crowding - turning * separation) + speed * turning, crowding);
+        all[one.particle].outward += tilt;
+        all[one.other].outward += opposite * tilt;
+    }
+}
+
+/// With fresh viscosities the pressure is the whole of it, else its change alone.
+TOMODEM_TWO_PROCESSORS void FlowForces::find_states(bool fresh_viscosity) {
+    const double d = law_.seed_diameter;
+    const auto volume = static_cast<float>(C::volume * d * d * d), surface = static_cast<float>(C::surface);
+    const auto bulk = static_cast<float>(C::bulk_viscosity);
+    const auto stiffness = static_cast<float>(C::pressure * d * d / C::rest_density) * interval_;
+    // The square of a rate must stay in the range of single precision: rates are taken in units of the load's.
+    const auto over_rate = static_cast<float>(1 / law_.flow_rate);
+    const auto least = static_cast<float>(law_.min_rate / law_.flow_rate);
+    for (int i = 0; i < local_count_; ++i) {
+        const Sums& sums = sums_[i];
+        Fabric& fabric = fabrics_[i];
+        State& state = states_[i];
+        Four gradient[3];
+        for (int a = 0; a < 3; ++a)
+            gradient[a] = sums.moment[a][0] * fabric.inverse[0] + sums.moment[a][1] * fabric.inverse[1] +
+                          sums.moment[a][2] * fabric.inverse[2];
+        const Four diagonal{gradient[0][0], gradient[1][1], gradient[2][2], 0};
+        const Four off{gradient[0][1] + gradient[1][0], gradient[1][2] + gradient[2][1],
+                       gradient[2][0] + gradient[0][2], 0};
+        const float growth = sum_of_three(diagonal);
+        if (fresh_viscosity) {
+            const law::NortonMaterial& material = law_.materials[type_[i]];
+            const Four deviator = (diagonal - four(growth / 3)) * over_rate, shear = off * over_rate;
+            float square = 2.0F / 3 * (sum_of_three(deviator * deviator) + 0.5F * sum_of_three(shear * shear));
+            square = law_.at_rest ? 1 : square + least * least;
+            const auto exponent = static_cast<float>(0.5 * (material.rate_sensitivity - 1));
+            const double at_flow_rate = material.consistency * std::pow(law_.flow_rate, material.rate_sensitivity - 1);
+            fabric.inverse[1][3] = static_cast<float>(at_flow_rate) * std::pow(square, exponent);
+        }
+        const float viscosity = fabric.inverse[1][3];
+        const float shear = 2.0F / 3 * viscosity, mean = (bulk * viscosity - shear / 3) * growth;
+        const Four xyz = shear * diagonal + four(mean), mixed = 0.5F * shear * off;
+        const Four stress[3] = {
+            {xyz[0], mixed[0], mixed[2], 0}, {mixed[0], xyz[1], mixed[1], 0}, {mixed[2], mixed[1], xyz[2], 0}};
+        const float pressed = stiffness * fabric.inverse[2][3] *
+                              (sums.outward[3] + surface * sum_of_three(fabric.outward * sums.outward));
+        const float pressure = fresh_viscosity ? fabric.inverse[0][3] + pressed : pressed;
+        // The inverse is symmetric: its columns are its rows.
+        for (int b = 0; b < 3; ++b)
+            state.traction[b] = volume * (stress[0] * fabric.inverse[b][0] + stress[1] * fabric.inverse[b][1] +
+                                          stress[2] * fabric.inverse[b][2]);
+        state.traction[0][3] = pressure;
+        state.traction[1][3] = viscosity;
+        state.diagonal = diagonal;
+        state.off = off;
+        state.lateral = surface * pressure * fabric.outward;
+    }
+}
+
+namespace {
+
+/// Of a pair, from the states of its particles.
+/// @param damping  of what is not in the mean flow [uN.s/mm]
+template <class State>
+TOMODEM_INLINE Four viscous_force(const Geometry& pair, Four speed, const State& own, const State& theirs,
+                                  float damping) {
+    const Four mean = (own.diagonal + theirs.diagonal) * pair.direction * pair.direction +
+                      (own.off + theirs.off) * pair.direction * turned(pair.direction);
+    const float strange = sum_of_three(speed * pair.direction - 0.5F * pair.distance * mean);
+    return -damping * strange * pair.direction - (own.traction[0] + theirs.traction[0]) * pair.apart[0] -
+           (own.traction[1] + theirs.traction[1]) * pair.apart[1] -
+           (own.traction[2] + theirs.traction[2]) * pair.apart[2];
+}
+
+template <class State>
+TOMODEM_INLINE Four pressure_force(const Geometry& pair, const State& own, const State& theirs, float reach) {
+    const Four lateral = own.lateral - theirs.lateral;
+    const float along = sum_of_three(lateral * pair.direction);
+    const float across = -reach * pair.closeness * pair.closeness * pair.over_distance;
+    const float radial =
+        2 * pair.closeness * (own.traction[0][3] + theirs.traction[0][3]) + (2 * pair.closeness - across) * along;
+    return radial * pair.direction + across * lateral;
+}
+
+}  // namespace
+
+TOMODEM_TWO_PROCESSORS void FlowForces::add_forces(const Four* velocity) {
+    const auto reach = static_cast<float>(C::crown * law_.seed_diameter);
+    const auto share = static_cast<float>(2 * C::pair_share * law_.seed_diameter);
+    const std::vector<FlowPairs::Row>& rows = pairs_.rows();
+    const std::int32_t* const other = pairs_.other();
+    const Four* const apart = pairs_.apart();
+    const State* const states = states_.data();
+    Four virial{}, virial_of_ghosts{};
+    for (std::size_t row = 0; row + 1 < rows.size(); ++row) {
+        const std::int32_t i = rows[row].particle;
+        const State& own = states[i];
+        Four sum{};
+        for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
+            const std::int32_t j = other[k];
+            const State& theirs = states[j];
+            const Geometry pair(apart[k], 1 / reach);
+            const float one = own.traction[1][3], two = theirs.traction[1][3];
+            damping_[k] = share * one / (one + two) * two;
+            Four force = viscous_force(pair, velocity[i] - velocity[j], own, theirs, damping_[k]);
+            const float load = std::sqrt(sum_of_three(force * force));
+            force = with_fourth(force + pressure_force(pair, own, theirs, reach), load);
+            (j < local_count_ ? virial : virial_of_ghosts) += force * pair.apart;
+            net_[j] += opposite * force;
+            sum += force;
+        }
+        net_[i] += sum;
+    }
+    virial_ = virial + 0.5F * virial_of_ghosts;
+}
+
+TOMODEM_TWO_PROCESSORS void FlowForces::add_changes(const Four* direction) {
+    const auto reach = static_cast<float>(C::crown * law_.seed_diameter);
+    const std::vector<FlowPairs::Row>& rows = pairs_.rows();
+    const std::int32_t* const other = pairs_.other();
+    const Four* const apart = pairs_.apart();
+    const float* const damping = damping_.data();
+    const State* const states = states_.data();
+    Four* const net = net_.data();
+    for (std::size_t row = 0; row + 1 < rows.size(); ++row) {
+        const std::int32_t i = rows[row].particle;
+        const State& own = states[i];
+        Four sum{};
+        for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
+            const std::int32_t j = other[k];
+            const Geometry pair(apart[k], 1 / reach);
+            const Four force = viscous_force(pair, direction[i] - direction[j], own, states[j], damping[k]) +
+                               pressure_force(pair, own, states[j], reach);
+            net[j] -= force;
+            sum += force;
+        }
+        net[i] += sum;
+    }
+}
+
+/// @param whole  force and its change; else the change alone
+void FlowForces::add_cores(const Four* velocity, bool whole) {
+    for (const Core& core : cores_) {
+        const std::int32_t i = pairs_.rows()[core.row].particle, j = pairs_.other()[core.pair];
+        const Four apart = pairs_.apart()[core.pair], direction = apart / apart[3];
+        const float separation = sum_of_three((velocity[i] - velocity[j]) * direction);
+        const float size = core.stiffness * ((whole ? core.overlap : 0) - interval_ * separation);
+        const Four force = with_fourth(size * direction, 0);
+        net_[i] += force;
+        net_[j] -= force;
+        if (whole) virial_ += (j < local_count_ ? 1.0F : 0.5F) * force * apart;
+    }
+}
+
+/// Repulsion of two objects: core and pressure, where they push.
+Four FlowForces::push(const FlowPairs::Pushing& one, const Four* velocity, bool whole) const {
+    const auto reach = static_cast<float>(C::crown * law_.seed_diameter);
+    const Geometry pair(one.apart, 1 / reach);
+    const float overlap = static_cast<float>(C::core * law_.seed_diameter) - pair.distance;
+    const State &own = states_[one.particle], &theirs = states_[one.other];
+    float size = 2 * pair.closeness * (own.traction[0][3] + theirs.traction[0][3]);
+    if (overlap > 0) {
+        const float strengths = fabrics_[one.particle].inverse[2][3] + fabrics_[one.other].inverse[2][3];
+        const float separation = sum_of_three((velocity[one.particle] - velocity[one.other]) * pair.direction);
+        size += static_cast<float>(0.5 * C::core_stiffness * law_.seed_diameter) * strengths *
+                ((whole ? overlap : 0) - interval_ * separation);
+    }
+    return with_fourth(size * pair.direction, 0);
+}
+
+void FlowForces::add_pushes(const Four* velocity, bool whole) {
+    for (std::size_t k = 0; k < pairs_.pushing().size(); ++k) {
+        const FlowPairs::Pushing& one = pairs_.pushing()[k];
+        const Four force = push(one, velocity, whole);
+        // Whether a pair pushes is settled by the forces; a direction is followed with the same pairs.
+        if (whole) pushes_[k] = sum_of_three(force * one.apart) > 0 ? 1 : 0;
+        if (pushes_[k] == 0) continue;
+        net_[one.particle] += force;
+        net_[one.other] -= force;
+        if (whole) virial_ += (one.other < local_count_ ? 1.0F : 0.5F) * force * one.apart;
+    }
+}
+
+void FlowForces::find(const Four* velocity) {
+    add_moments(velocity);
+    find_states(true);
+    clear_sums();
+    carry_(&states_[0].traction[0][0], sizeof(State) / sizeof(float), sizeof(State) / sizeof(float));
+    net_.assign(static_cast<std::size_t>(count_), Four{});
+    add_forces(velocity);
+    add_cores(velocity, true);
+    add_pushes(velocity, true);
+}
+
+void FlowForces::product(Four* direction) {
+    carry_(&direction[0][0], sizeof(Four) / sizeof(float), 3);
+    add_moments(direction);
+    find_states(false);
+    clear_sums();
+    carry_(&states_[0].traction[0][0], sizeof(State) / sizeof(float), sizeof(State) / sizeof(float));
+    net_.assign(static_cast<std::size_t>(count_), Four{});
+    add_changes(direction);
+    add_cores(direction, false);
+    add_pushes(direction, false);
+}
+
+void FlowForces::prepare_blocks(std::vector<Block>& blocks) {
+    carry_(&fabrics_[0].inverse[0][0], sizeof(Fabric) / sizeof(float), sizeof(Fabric) / sizeof(float));
+    blocks.assign(static_cast<std::size_t>(count_), Block{});
+    add_block_parts(blocks);
+    for (const Core& core : cores_) {
+        const Four apart = pairs_.apart()[core.pair], direction = apart / apart[3];
+        const float stiffness = interval_ * core.stiffness;
+        for (const std::int32_t i : {pairs_.rows()[core.row].particle, pairs_.other()[core.pair]}) {
+            blocks[i].diagonal += stiffness * direction * direction;
+            blocks[i].off += stiffness * direction * turned(direction);
+        }
+    }
+}
+
+TOMODEM_TWO_PROCESSORS void FlowForces::add_block_parts(std::vector<Block>& blocks) const {
+    const double d = law_.seed_diameter;
+    const auto reach = static_cast<float>(C::crown * d), volume = static_cast<float>(C::volume * d * d * d);
+    const auto stiffness = static_cast<float>(C::pressure * d * d / C::rest_density) * interval_;
+    const auto surface = static_cast<float>(C::surface);
+    constexpr auto across = static_cast<float>(1.0 / 9 + C::bulk_viscosity);
+    const std::vector<FlowPairs::Row>& rows = pairs_.rows();
+    std::vector<Four> sides(static_cast<std::size_t>(count_), Four{});
+    // What a particle's motion makes of another's flow, and back: T = V eta (...) A*^-1 r.
+    const auto through = [&](const Fabric& fabric, Four arm, Block& block) __attribute__((always_inline)) {
+        const Four reached = arm[0] * fabric.inverse[0] + arm[1] * fabric.inverse[1] + arm[2] * fabric.inverse[2];
+        const float size = volume * fabric.inverse[1][3];
+        block.diagonal += size * (four(sum_of_three(reached * reached) / 3) + across * reached * reached);
+        block.off += size * across * reached * turned(reached);
+    };
+    for (std::size_t row = 0; row + 1 < rows.size(); ++row)
+        for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
+            const std::int32_t ends[2] = {rows[row].particle, pairs_.other()[k]};
+            const Geometry pair(pairs_.apart()[k], 1 / reach);
+            for (int side = 0; side < 2; ++side) {
+                const Fabric& there = fabrics_[ends[1 - side]];
+                Block& block = blocks[ends[side]];
+                through(there, pair.apart, block);
+                block.diagonal += damping_[k] * pair.direction * pair.direction;
+                block.off += damping_[k] * pair.direction * turned(pair.direction);
+                const float slope = -2 * pair.closeness / reach, sign = side == 0 ? 1.0F : -1.0F;
+                const float along = sum_of_three(there.outward * pair.direction);
+                const float turning = pair.closeness * pair.closeness * pair.over_distance;
+                const Four crowding = slope * pair.direction - surface * sign *
+                                                                   (slope * along * pair.direction +
+                                                                    turning * (there.outward - along * pair.direction));
+                const float pressed = stiffness * there.inverse[2][3];
+                block.diagonal += pressed * crowding * crowding;
+                block.off += pressed * crowding * turned(crowding);
+                sides[ends[side]] += sign * pair.apart;
+            }
+        }
+    for (int i = 0; i < local_count_; ++i) {
+        through(fabrics_[i], sides[i], blocks[i]);
+        // A particle that nothing touches keeps its velocity.
+        blocks[i].diagonal += four(1e-6F * static_cast<float>(d) * fabrics_[i].inverse[1][3]);
+    }
+}
+
+void FlowForces::for_each_force(const Four* velocity, const PairKernel::UsePair& use) const {
+    const auto reach = static_cast<float>(C::crown * law_.seed_diameter);
+    const auto report = [&](std::int32_t i, std::int32_t j, Four force, Four apart) {
+        const double on_particle[3] = {force[0], force[1], force[2]}, arm[3] = {apart[0], apart[1], apart[2]};
+        use(i, j, on_particle, arm);
+    };
+    auto core = cores_.begin();
+    for (std::size_t row = 0; row + 1 < pairs_.rows().size(); ++row) {
+        const std::int32_t i = pairs_.rows()[row].particle;
+        for (std::uint32_t k = pairs_.rows()[row].begin; k < pairs_.rows()[row + 1].begin; ++k) {
+            const std::int32_t j = pairs_.other()[k];
+            const Geometry pair(pairs_.apart()[k], 1 / reach);
+            const Four speed = velocity[i] - velocity[j];
+            Four force = viscous_force(pair, speed, states_[i], states_[j], damping_[k]) +
+                         pressure_force(pair, states_[i], states_[j], reach);
+            if (core != cores_.end() && core->pair == k) {
+                const float separation = sum_of_three(speed * pair.direction);
+                force += core->stiffness * (core->overlap - interval_ * separation) * pair.direction;
+                ++core;
+            }
+            report(i, j, force, pair.apart);
+        }
+    }
+    for (std::size_t k = 0; k < pairs_.pushing().size(); ++k)
+        if (pushes_[k] != 0)
+            report(pairs_.pushing()[k].particle, pairs_.pushing()[k].other, push(pairs_.pushing()[k], velocity, true),
+                   pairs_.pushing()[k].apart);
+}
+
+double FlowForces::core_energy() const {
+    double energy = 0;
+    for (const Core& core : cores_)
+        energy +=
+            (pairs_.other()[core.pair] < local_count_ ? 0.5 : 0.25) * core.stiffness * core.overlap * core.overlap;
+    return energy;
+}
+
+}  // namespace tomodem::plugin

@@ -1,0 +1,116 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/law/norton_law.hpp"
+#include "solver_plugin/pairs/pair_kernel.hpp"
+#include "solver_plugin/quasi_static/flow_pairs.hpp"
+#include "solver_plugin/quasi_static/four.hpp"
+
+namespace tomodem::plugin {
+
+/// The forces of law NORTON between particles that stand still for a moment, as a function of their velocities
+/// (docs/norton.md): what a quasi-static step solves.
+///
+/// The elastic part is that of the end of an interval in which the particles move with the velocities (semi-implicit):
+/// it would be unstable at steps this long otherwise.
+///
+/// Vectors have a Four for every particle; ghosts follow those of this process.
+class FlowForces {
+ public:
+    /// Brings `floats` numbers of each ghost from its owner; particle i has them at first + i * stride. Collective.
+    using Carry = std::function<void(float* first, int stride, int floats)>;
+
+    void set_law(const law::Norton& law) { law_ = law; }
+    const law::Norton& law() const { return law_; }
+    void set_carry(Carry carry) { carry_ = std::move(carry); }
+
+    /// Pairs, fabric and pressure where the particles are now.
+    void place(const ParticleView& particles);
+    /// How long the particles will move with the velocities that are sought [s].
+    void set_interval(double interval) { interval_ = static_cast<float>(interval); }
+
+    /// Forces with these velocities; the viscosities that they make are used by product() and prepare_blocks() from
+    /// here on.
+    /// @param velocity  of the particles, ghosts included
+    void find(const Four* velocity);
+    /// Of the particles: net force of the pairs [uN]; the fourth is the sum of the magnitudes of the viscous parts.
+    const Four* net() const { return net_.data(); }
+
+    /// Change of the forces with a change of the velocities, at frozen viscosities; negative, so that it opposes.
+    /// @param direction  of the particles; room for the ghosts behind, which are brought
+    void product(Four* direction);
+    /// Of the last product: change of the net force.
+    const Four* change() const { return net_.data(); }
+
+    /// The 3 x 3 blocks of particles with themselves: {xx, yy, zz, -}, {xy, yz, zx, -}.
+    struct Block {
+        Four diagonal, off;
+    };
+    void prepare_blocks(std::vector<Block>& blocks);
+
+    /// Sum of f_a r_a over this process' share of the pairs in the last find() [uN mm]; a = x, y, z.
+    Four virial() const { return virial_; }
+    /// Of the last find().
+    double viscosity(int i) const { return states_[static_cast<std::size_t>(i)].traction[1][3]; }
+    double strength(int i) const { return fabrics_[static_cast<std::size_t>(i)].inverse[2][3]; }
+
+    /// Every pair with its force in the last find(), for velocities that are those of it.
+    void for_each_force(const Four* velocity, const PairKernel::UsePair& use) const;
+    /// Elastic energy of overlapping cores; half of it for pairs with a ghost.
+    double core_energy() const;
+    std::size_t pairs() const { return pairs_.size() + pairs_.pushing().size(); }
+
+ private:
+    /// What the positions alone make of a particle.
+    struct Fabric {
+        Four inverse[3];  ///< rows of A*^-1 [1/mm^2]; fourths: pressure [uN], V eta [mm^3 Pa.s], strength [Pa]
+        Four outward;     ///< n / sqrt(n^2 + n_0^2)
+    };
+    struct Sums {
+        Four moment[3];  ///< rows of sum v r
+        Four outward;    ///< change of n; the fourth: of rho
+    };
+    struct State {
+        Four traction[3];  ///< columns of T; fourths: pressure, eta, -
+        Four diagonal;     ///< of D
+        Four off;          ///< 2 D_xy, 2 D_yz, 2 D_zx
+        Four lateral;      ///< a_n p n / sqrt(n^2 + n_0^2)
+    };
+    struct Core {
+        std::uint32_t pair, row;
+        float stiffness, overlap;
+    };
+
+    void sum_fabric();
+    void find_fabric(const ParticleView& particles);
+    void find_cores();
+    void add_moments(const Four* velocity);
+    void find_states(bool fresh_viscosity);
+    void add_forces(const Four* velocity);
+    void add_changes(const Four* direction);
+    void add_cores(const Four* velocity, bool whole);
+    void add_pushes(const Four* velocity, bool whole);
+    Four push(const FlowPairs::Pushing& pair, const Four* velocity, bool whole) const;
+    void add_block_parts(std::vector<Block>& blocks) const;
+    void clear_sums();
+
+    law::Norton law_;
+    Carry carry_;
+    float interval_ = 0;
+    int local_count_ = 0, count_ = 0;
+    std::vector<std::uint8_t> type_;  ///< of the particles of this process, from 0
+    FlowPairs pairs_;
+    std::vector<Core> cores_;
+    std::vector<float> damping_;  ///< of each pair [uN.s/mm]
+    std::vector<std::uint8_t> pushes_;
+    std::vector<Fabric> fabrics_;
+    std::vector<Sums> sums_;
+    std::vector<State> states_;
+    std::vector<Four> net_;
+    Four virial_{};
+};
+
+}  // namespace tomodem::plugin

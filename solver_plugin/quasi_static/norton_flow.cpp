@@ -1,0 +1,340 @@
+#include "solver_plugin/quasi_static/norton_flow.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/base/error.hpp"
+
+namespace tomodem::plugin {
+namespace {
+
+using C = law::NortonConstants;
+
+/// Viscosities that are taken anew, at most: then the interval is halved.
+constexpr int most_outer = 60;
+/// Of one linear system.
+constexpr int most_inner = 300;
+/// How far a linear system is solved, relative to its right side: no farther than the viscosities are worth.
+constexpr double loosest = 0.5, tightest = 0.1;
+/// Halvings of a motion that does not bring the forces nearer to balance.
+constexpr int most_halvings = 6;
+/// Shortest part of a step: below it the run stops.
+constexpr double shortest_part = 1e-6;
+/// Way of a particle in a step while the sample comes to rest, over its diameter.
+constexpr double way_at_rest = 0.05;
+/// Cell of the coarse grid, in diameters.
+constexpr double cell = 4;
+/// Velocity against a wall, over diameter and rate of the load, that the film cannot have: it was not there before.
+constexpr double strange_slip = 0.02;
+
+double dot(const std::vector<Four>& a, const std::vector<Four>& b, int count) {
+    double sum = 0;
+    for (int i = 0; i < count; ++i) {
+        const Four product = a[i] * b[i];
+        sum += static_cast<double>(product[0]) + product[1] + product[2];
+    }
+    return sum;
+}
+
+/// In place; symmetric and positive.
+void invert(FlowForces::Block& block) {
+    const double xx = block.diagonal[0], yy = block.diagonal[1], zz = block.diagonal[2];
+    const double xy = block.off[0], yz = block.off[1], zx = block.off[2];
+    const double cofactor[6] = {yy * zz - yz * yz, xx * zz - zx * zx, xx * yy - xy * xy,
+                                yz * zx - xy * zz, xy * zx - xx * yz, xy * yz - yy * zx};
+    const double over = 1 / (xx * cofactor[0] + xy * cofactor[3] + zx * cofactor[4]);
+    for (int c = 0; c < 3; ++c) block.diagonal[c] = static_cast<float>(cofactor[c] * over);
+    block.off = Four{static_cast<float>(cofactor[3] * over), static_cast<float>(cofactor[5] * over),
+                 static_cast<float>(cofactor[4] * over), 0};
+}
+
+Four times(const FlowForces::Block& block, Four v) {
+    return block.diagonal * v + Four{block.off[0] * v[1] + block.off[2] * v[2],
+                                     block.off[0] * v[0] + block.off[1] * v[2],
+                                     block.off[2] * v[0] + block.off[1] * v[1], 0};
+}
+
+std::int64_t key(std::int32_t id, int wall) {
+    return static_cast<std::int64_t>(id) << 16 | wall;
+}
+
+}  // namespace
+
+NortonFlow::NortonFlow() {
+    forces_.set_carry([this](float* first, int stride, int floats) { carry(first, stride, floats); });
+}
+
+void NortonFlow::set_law(const law::Norton& law, double imbalance) {
+    forces_.set_law(law);
+    imbalance_ = imbalance;
+}
+
+void NortonFlow::carry(float* first, int stride, int floats) {
+    carried_ = first;
+    stride_ = stride;
+    carried_floats_ = floats;
+    exchange();
+}
+
+void NortonFlow::pack(int i, double* numbers) const {
+    std::memcpy(numbers, carried_ + static_cast<std::ptrdiff_t>(i) * stride_, carried_floats_ * sizeof(float));
+}
+
+void NortonFlow::unpack(int i, const double* numbers) {
+    std::memcpy(carried_ + static_cast<std::ptrdiff_t>(i) * stride_, numbers, carried_floats_ * sizeof(float));
+}
+
+double NortonFlow::film(std::size_t wall) const {
+    return C::wall_viscosity * law().seed_diameter * wall_strength_[wall] / law().flow_rate;
+}
+
+double NortonFlow::stiffness(std::size_t wall) const {
+    const double d = law().seed_diameter;
+    return walls_[wall].distance < d / 2 ? C::core_stiffness * d * wall_strength_[wall] : 0;
+}
+
+void NortonFlow::add_walls(const Four* motion, bool whole, Four* force) const {
+    for (std::size_t k = 0; k < walls_.size(); ++k) {
+        const NearWall& wall = walls_[k];
+        const Four own = motion[wall.particle];
+        double approach = whole ? -wall.velocity : 0;
+        for (int c = 0; c < 3; ++c) approach += wall.normal[c] * own[c];
+        double size = -(film(k) + interval_ * stiffness(k)) * approach;
+        if (whole) size += stiffness(k) * (law().seed_diameter / 2 - wall.distance);
+        for (int c = 0; c < 3; ++c) force[wall.particle][c] += static_cast<float>(size * wall.normal[c]);
+    }
+}
+
+/// The velocities that the particles have brought along: where the search begins.
+void NortonFlow::take(const ParticleView& particles) {
+    for (int i = 0; i < local_count_; ++i) std::copy_n(particles.velocity + 3 * i, 3, found_[i].begin());
+}
+
+/// A particle that was at the wall keeps its velocity against it; one that comes to it begins with none, or the film,
+/// which is stiff, would make forces far beyond all others.
+void NortonFlow::follow_walls(const ParticleView& particles, bool set_up) {
+    for (const NearWall& wall : walls_) {
+        std::array<double, 3>& own = found_[wall.particle];
+        double approach = -wall.velocity;
+        for (int c = 0; c < 3; ++c) approach += wall.normal[c] * own[c];
+        double wanted = 0;
+        if (set_up) {
+            // A run that is set up anew has the velocities of its last step.
+            if (std::abs(approach) <= strange_slip * law().seed_diameter * law().flow_rate) continue;
+        } else if (const auto slip = slips_.find(key(particles.id[wall.particle], wall.wall)); slip != slips_.end()) {
+            wanted = slip->second;
+        }
+        for (int c = 0; c < 3; ++c) own[c] += (wanted - approach) * wall.normal[c];
+    }
+}
+
+void NortonFlow::remember_slips(const ParticleView& particles) {
+    slips_.clear();
+    for (const NearWall& wall : walls_) {
+        double approach = -wall.velocity;
+        for (int c = 0; c < 3; ++c) approach += wall.normal[c] * found_[wall.particle][c];
+        slips_[key(particles.id[wall.particle], wall.wall)] = approach;
+    }
+}
+
+void NortonFlow::find_forces() {
+    for (int i = 0; i < local_count_; ++i)
+        velocity_[i] = Four{static_cast<float>(found_[i][0]), static_cast<float>(found_[i][1]),
+                        static_cast<float>(found_[i][2]), 0};
+    carry(&velocity_[0][0], sizeof(Four) / sizeof(float), 3);
+    for (int i = local_count_; i < count_; ++i) velocity_[i] += jump_[i - local_count_];
+    forces_.find(velocity_.data());
+    ++work_.forces;
+    std::copy_n(forces_.net(), local_count_, net_.begin());
+    add_walls(velocity_.data(), true, net_.data());
+    double norms[2] = {dot(net_, net_, local_count_), 0};
+    for (int i = 0; i < local_count_; ++i) norms[1] += static_cast<double>(net_[i][3]) * net_[i][3];
+    surroundings().add_up(norms, 2);
+    net_norm_ = std::sqrt(norms[0]);
+    load_norm_ = std::sqrt(norms[1]);
+}
+
+void NortonFlow::prepare() {
+    ++work_.blocks;
+    forces_.prepare_blocks(blocks_);
+    for (std::size_t k = 0; k < walls_.size(); ++k) {
+        const double* const n = walls_[k].normal;
+        const double size = film(k) + interval_ * stiffness(k);
+        FlowForces::Block& block = blocks_[walls_[k].particle];
+        for (int c = 0; c < 3; ++c) {
+            block.diagonal[c] += static_cast<float>(size * n[c] * n[c]);
+            block.off[c] += static_cast<float>(size * n[c] * n[(c + 1) % 3]);
+        }
+    }
+    for (int i = 0; i < local_count_; ++i) invert(blocks_[i]);
+
+    const double d = law().seed_diameter, volume = C::volume * d * d * d;
+    std::vector<CoarseGrid::Material> materials(static_cast<std::size_t>(local_count_));
+    for (int i = 0; i < local_count_; ++i) {
+        const double viscosity = forces_.viscosity(i);
+        materials[i] = {volume * viscosity / 3, volume * (viscosity * (C::bulk_viscosity - 2.0 / 9) +
+                                                          4 * interval_ * C::pressure * forces_.strength(i))};
+    }
+    std::vector<double> walls(walls_.size());
+    for (std::size_t k = 0; k < walls.size(); ++k) walls[k] = film(k) + interval_ * stiffness(k);
+    grid_.fill(materials, walls_, walls, surroundings());
+}
+
+/// step_ = an approximate solution for rest_.
+/// @param along  becomes rest_ . step_
+/// @return the square of the norm of rest_
+double NortonFlow::precondition(double& along) {
+    const auto size = static_cast<std::size_t>(grid_.size());
+    nodes_.assign(size + 2, 0.0);
+    for (int i = 0; i < local_count_; ++i) step_[i] = times(blocks_[i], rest_[i]);
+    grid_.gather(rest_.data(), nodes_.data());
+    nodes_[size] = dot(rest_, step_, local_count_);
+    nodes_[size + 1] = dot(rest_, rest_, local_count_);
+    surroundings().add_up(nodes_.data(), nodes_.size());
+    const double squares = nodes_[size + 1];
+    along = nodes_[size];
+    const std::vector<double> forces(nodes_.begin(), nodes_.begin() + grid_.size());
+    grid_.solve(nodes_.data());
+    for (std::size_t k = 0; k < size; ++k) along += forces[k] * nodes_[k];
+    grid_.spread(nodes_.data(), step_.data());
+    return squares;
+}
+
+/// motion_ = the change of the velocities that balances net_ at frozen viscosities, by conjugate gradients.
+void NortonFlow::find_motion(double tolerance) {
+    ++work_.solutions;
+    std::fill(motion_.begin(), motion_.end(), Four{});
+    std::copy(net_.begin(), net_.end(), rest_.begin());
+    for (Four& force : rest_) force[3] = 0;
+    double before = 1, first = 0;
+    for (int iteration = 0; iteration < most_inner; ++iteration) {
+        double along = 0;
+        const double squares = precondition(along);
+        if (iteration == 0) first = squares;
+        if (!(squares > tolerance * tolerance * first)) return;
+        const auto share = static_cast<float>(iteration == 0 ? 0 : along / before);
+        before = along;
+        for (int i = 0; i < local_count_; ++i) direction_[i] = step_[i] + share * direction_[i];
+        forces_.product(direction_.data());
+        ++work_.products;
+        std::copy_n(forces_.change(), local_count_, step_.begin());
+        add_walls(direction_.data(), false, step_.data());
+        double against = -dot(direction_, step_, local_count_);
+        surroundings().add_up(&against, 1);
+        if (!(against > 0)) {
+            if (iteration == 0) std::copy_n(direction_.begin(), local_count_, motion_.begin());
+            return;
+        }
+        const auto length = static_cast<float>(along / against);
+        for (int i = 0; i < local_count_; ++i) {
+            motion_[i] += length * direction_[i];
+            rest_[i] += length * step_[i];
+        }
+    }
+}
+
+/// @return whether the forces are in balance
+bool NortonFlow::balance() {
+    find_forces();
+    bool prepared = false;
+    std::vector<std::array<double, 3>> from;
+    for (int outer = 0; !is_balanced(); ++outer) {
+        if (outer == most_outer || !std::isfinite(net_norm_) || !std::isfinite(load_norm_)) return false;
+        if (!prepared) prepare();
+        prepared = true;
+        const double wanted = load_norm_ > 0 ? 0.5 * imbalance_ * load_norm_ / net_norm_ : 0;
+        find_motion(std::clamp(wanted, tightest, loosest));
+        from.assign(found_.begin(), found_.begin() + local_count_);
+        const double before = net_norm_;
+        double length = 1;
+        for (int halvings = 0;; ++halvings) {
+            for (int i = 0; i < local_count_; ++i)
+                for (int c = 0; c < 3; ++c) found_[i][c] = from[i][c] + length * motion_[i][c];
+            find_forces();
+            if (net_norm_ < (1 - 1e-3 * length) * before || halvings == most_halvings) break;
+            length /= 2;
+        }
+    }
+    return true;
+}
+
+void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&, const PairStep& step, double* forces,
+                            ContactMemory*, const UsePair* use) {
+    local_count_ = particles.local_count;
+    count_ = particles.count;
+    const auto local = static_cast<std::size_t>(local_count_), count = static_cast<std::size_t>(count_);
+    // One more than there are: a process without particles takes part in every exchange.
+    found_.resize(local + 1);
+    for (std::vector<Four>* vector : {&net_, &rest_, &step_, &motion_}) vector->resize(local);
+    velocity_.assign(count + 1, Four{});
+    direction_.assign(count + 1, Four{});
+    jump_.assign(count - local, Four{});
+    ++work_.steps;
+    ++work_.geometries;
+    forces_.place(particles);
+    take(particles);
+    for (int i = 0; i < local_count_; ++i)
+        for (int c = 0; c < 3; ++c) velocity_[i][c] = static_cast<float>(found_[i][c]);
+    carry(&velocity_[0][0], sizeof(Four) / sizeof(float), 3);
+    for (int i = local_count_; i < count_; ++i)
+        for (int c = 0; c < 3; ++c)
+            jump_[i - local_count_][c] = static_cast<float>(particles.velocity[3 * i + c]) - velocity_[i][c];
+    grid_.lay(particles.position, local_count_, cell * law().seed_diameter, surroundings());
+
+    interval_ = step.start < 0 ? -step.start : step.time_step;
+    for (;; interval_ /= 2) {
+        if (interval_ < shortest_part * step.time_step)
+            throw InvalidInput(fmt::format(
+                "the forces find no balance, however short the step: net force over viscous force stays {:.2g}, wanted "
+                "{:g}; take a larger max_imbalance, or look whether the sample tears or a part of it is held by "
+                "nothing",
+                net_norm_ / load_norm_, imbalance_));
+        forces_.set_interval(interval_);
+        walls_ = surroundings().walls(step.start, interval_);
+        wall_strength_.resize(walls_.size());
+        for (std::size_t k = 0; k < walls_.size(); ++k)
+            wall_strength_[k] = law().materials[particles.type[walls_[k].particle] - 1].strength;
+        take(particles);
+        follow_walls(particles, step.set_up);
+        if (balance()) break;
+    }
+    remember_slips(particles);
+    good_for_ = interval_;
+    if (law().at_rest) {
+        double fastest = 0;
+        for (int i = 0; i < local_count_; ++i)
+            for (int c = 0; c < 3; ++c) fastest = std::max(fastest, std::abs(found_[i][c]));
+        surroundings().take_largest(&fastest, 1);
+        if (fastest * interval_ > way_at_rest * law().seed_diameter)
+            good_for_ = way_at_rest * law().seed_diameter / fastest;
+    }
+    for (int i = 0; i < local_count_; ++i)
+        for (int c = 0; c < 3; ++c) {
+            step.velocity[3 * i + c] = found_[i][c];
+            forces[3 * i + c] += forces_.net()[i][c];
+        }
+    for (int i = local_count_; i < count_; ++i)
+        for (int c = 0; c < 3; ++c) step.velocity[3 * i + c] = velocity_[i][c];
+    if (use != nullptr) forces_.for_each_force(velocity_.data(), *use);
+}
+
+void NortonFlow::pair_forces(const ParticleView&, const NeighbourView&, const ContactMemory*,
+                             const UsePair& use) const {
+    forces_.for_each_force(velocity_.data(), use);
+}
+
+double NortonFlow::wall_force(const WallContact& contact) const {
+    const double d = law().seed_diameter, strength = law().materials[contact.type - 1].strength;
+    const double core = contact.distance < d / 2 ? C::core_stiffness * d * strength : 0;
+    const double film = C::wall_viscosity * d * strength / law().flow_rate;
+    return core * (d / 2 - contact.distance) - (film + interval_ * core) * contact.rate;
+}
+
+double NortonFlow::seed_energy(const ParticleView&, const NeighbourView&) const {
+    return forces_.core_energy();
+}
+
+}  // namespace tomodem::plugin
