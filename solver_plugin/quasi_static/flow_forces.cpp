@@ -107,9 +107,9 @@ void FlowForces::find_fabric(const ParticleView& particles) {
         const double density = sums.moment[0][3] + C::surface * (length - C::smoothing);
         const double pressure = C::pressure * d * d * material.strength * (density / C::rest_density - 1);
         Fabric& fabric = fabrics_[i];
-        fabric.inverse[0] = Four{inverse[0], inverse[3], inverse[4], static_cast<float>(pressure)};
-        fabric.inverse[1] = Four{inverse[3], inverse[1], inverse[5], 0};
-        fabric.inverse[2] = Four{inverse[4], inverse[5], inverse[2], static_cast<float>(material.strength)};
+        fabric.inverse[0] = Four{inverse[0], inverse[3], inverse[5], static_cast<float>(pressure)};
+        fabric.inverse[1] = Four{inverse[3], inverse[1], inverse[4], 0};
+        fabric.inverse[2] = Four{inverse[5], inverse[4], inverse[2], static_cast<float>(material.strength)};
         fabric.outward = with_fourth(sums.outward / static_cast<float>(length), 0);
     }
 }
@@ -391,42 +391,54 @@ void FlowForces::prepare_blocks(std::vector<Block>& blocks) {
 TOMODEM_TWO_PROCESSORS void FlowForces::add_block_parts(std::vector<Block>& blocks) const {
     const double d = law_.seed_diameter;
     const auto reach = static_cast<float>(C::crown * d), volume = static_cast<float>(C::volume * d * d * d);
-    const auto stiffness = static_cast<float>(C::pressure * d * d / C::rest_density) * interval_;
+    const auto stiffness = static_cast<float>(C::pressure * d * d / C::rest_density) * interval_ * reach;
     const auto surface = static_cast<float>(C::surface);
-    constexpr auto across = static_cast<float>(1.0 / 9 + C::bulk_viscosity);
+    constexpr auto bulk = static_cast<float>(1.0 / 9 + C::bulk_viscosity);
     const std::vector<FlowPairs::Row>& rows = pairs_.rows();
-    std::vector<Four> sides(static_cast<std::size_t>(count_), Four{});
-    // What a particle's motion makes of another's flow, and back: T = V eta (...) A*^-1 r.
-    const auto through = [&](const Fabric& fabric, Four arm, Block& block) __attribute__((always_inline)) {
+    /// Of a particle's own flow and pressure, with its own velocity.
+    struct Own {
+        Four arm, crowding;
+    };
+    std::vector<Own> own(static_cast<std::size_t>(count_), Own{});
+    // T = V eta (...) A*^-1 r
+    const auto through_flow = [&](const Fabric& fabric, Four arm, Block& block) __attribute__((always_inline)) {
         const Four reached = arm[0] * fabric.inverse[0] + arm[1] * fabric.inverse[1] + arm[2] * fabric.inverse[2];
         const float size = volume * fabric.inverse[1][3];
-        block.diagonal += size * (four(sum_of_three(reached * reached) / 3) + across * reached * reached);
-        block.off += size * across * reached * turned(reached);
+        block.diagonal += size * (four(sum_of_three(reached * reached) / 3) + bulk * reached * reached);
+        block.off += size * bulk * reached * turned(reached);
+    };
+    const auto through_pressure = [&](const Fabric& fabric, Four crowding, Block& block)
+        __attribute__((always_inline)) {
+        const float size = stiffness * fabric.inverse[2][3];
+        block.diagonal += size * crowding * crowding;
+        block.off += size * crowding * turned(crowding);
     };
     for (std::size_t row = 0; row + 1 < rows.size(); ++row)
         for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
             const std::int32_t ends[2] = {rows[row].particle, pairs_.other()[k]};
             const Geometry pair(pairs_.apart()[k], 1 / reach);
+            const float slope = -2 * pair.closeness / reach;
+            const float turning = pair.closeness * pair.closeness * pair.over_distance;
+            Four tilt[2];  // change of the outward part of each particle with their relative velocity
             for (int side = 0; side < 2; ++side) {
-                const Fabric& there = fabrics_[ends[1 - side]];
+                const Four outward = fabrics_[ends[side]].outward;
+                const float along = sum_of_three(outward * pair.direction);
+                tilt[side] = surface * ((slope - turning) * along * pair.direction + turning * outward);
+            }
+            for (int side = 0; side < 2; ++side) {
+                const float sign = side == 0 ? 1.0F : -1.0F;
                 Block& block = blocks[ends[side]];
-                through(there, pair.apart, block);
+                through_flow(fabrics_[ends[1 - side]], pair.apart, block);
+                through_pressure(fabrics_[ends[1 - side]], sign * slope * pair.direction - tilt[1 - side], block);
                 block.diagonal += damping_[k] * pair.direction * pair.direction;
                 block.off += damping_[k] * pair.direction * turned(pair.direction);
-                const float slope = -2 * pair.closeness / reach, sign = side == 0 ? 1.0F : -1.0F;
-                const float along = sum_of_three(there.outward * pair.direction);
-                const float turning = pair.closeness * pair.closeness * pair.over_distance;
-                const Four crowding = slope * pair.direction - surface * sign *
-                                                                   (slope * along * pair.direction +
-                                                                    turning * (there.outward - along * pair.direction));
-                const float pressed = stiffness * there.inverse[2][3];
-                block.diagonal += pressed * crowding * crowding;
-                block.off += pressed * crowding * turned(crowding);
-                sides[ends[side]] += sign * pair.apart;
+                own[ends[side]].arm += sign * pair.apart;
+                own[ends[side]].crowding += sign * slope * pair.direction + tilt[side];
             }
         }
     for (int i = 0; i < local_count_; ++i) {
-        through(fabrics_[i], sides[i], blocks[i]);
+        through_flow(fabrics_[i], own[i].arm, blocks[i]);
+        through_pressure(fabrics_[i], own[i].crowding, blocks[i]);
         // A particle that nothing touches keeps its velocity.
         blocks[i].diagonal += four(1e-6F * static_cast<float>(d) * fabrics_[i].inverse[1][3]);
     }

@@ -24,7 +24,7 @@ constexpr int most_halvings = 6;
 /// Shortest part of a step: below it the run stops.
 constexpr double shortest_part = 1e-6;
 /// Way of a particle in a step while the sample comes to rest, over its diameter.
-constexpr double way_at_rest = 0.05;
+constexpr double way_at_rest = 0.1;
 /// Cell of the coarse grid, in diameters.
 constexpr double cell = 4;
 /// Velocity against a wall, over diameter and rate of the load, that the film cannot have: it was not there before.
@@ -45,10 +45,9 @@ void invert(FlowForces::Block& block) {
     const double xy = block.off[0], yz = block.off[1], zx = block.off[2];
     const double cofactor[6] = {yy * zz - yz * yz, xx * zz - zx * zx, xx * yy - xy * xy,
                                 yz * zx - xy * zz, xy * zx - xx * yz, xy * yz - yy * zx};
-    const double over = 1 / (xx * cofactor[0] + xy * cofactor[3] + zx * cofactor[4]);
+    const double over = 1 / (xx * cofactor[0] + xy * cofactor[3] + zx * cofactor[5]);
     for (int c = 0; c < 3; ++c) block.diagonal[c] = static_cast<float>(cofactor[c] * over);
-    block.off = Four{static_cast<float>(cofactor[3] * over), static_cast<float>(cofactor[5] * over),
-                 static_cast<float>(cofactor[4] * over), 0};
+    for (int c = 0; c < 3; ++c) block.off[c] = static_cast<float>(cofactor[3 + c] * over);
 }
 
 Four times(const FlowForces::Block& block, Four v) {
@@ -143,7 +142,7 @@ void NortonFlow::remember_slips(const ParticleView& particles) {
 void NortonFlow::find_forces() {
     for (int i = 0; i < local_count_; ++i)
         velocity_[i] = Four{static_cast<float>(found_[i][0]), static_cast<float>(found_[i][1]),
-                        static_cast<float>(found_[i][2]), 0};
+                            static_cast<float>(found_[i][2]), 0};
     carry(&velocity_[0][0], sizeof(Four) / sizeof(float), 3);
     for (int i = local_count_; i < count_; ++i) velocity_[i] += jump_[i - local_count_];
     forces_.find(velocity_.data());
