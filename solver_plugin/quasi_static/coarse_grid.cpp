@@ -123,6 +123,10 @@ void CoarseGrid::fill(const std::vector<Material>& materials, const std::vector<
                                           bulk * slope[one][c] * slope[two][e];
             }
     }
+    // Walls are far stiffer: they must not count in what is little for a node.
+    double diagonal = 0;
+    for (int node = 0; node < nodes; ++node)
+        for (int c = 0; c < 3; ++c) diagonal += block(node, 0)[4 * c];
     for (std::size_t k = 0; k < walls.size(); ++k) {
         const Place& place = places_[static_cast<std::size_t>(walls[k].particle)];
         const std::array<double, 8> weight = weights(place);
@@ -137,11 +141,9 @@ void CoarseGrid::fill(const std::vector<Material>& materials, const std::vector<
                             wall_stiffness[k] * weight[one] * weight[two] * walls[k].normal[c] * walls[k].normal[e];
             }
     }
+    blocks.push_back(diagonal);
     surroundings.add_up(blocks.data(), blocks.size());
-
-    double mean = 0;
-    for (int node = 0; node < nodes; ++node)
-        for (int c = 0; c < 3; ++c) mean += block(node, 0)[4 * c] / size();
+    const double mean = blocks.back() / size();
     Matrix& matrix = *matrix_;
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(blocks.size());
