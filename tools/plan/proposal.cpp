@@ -98,7 +98,7 @@ double resolution_of(Quantity quantity, const ImageFeatures& image, bool smalles
 
 std::int64_t steps_of(const Scene& scene, const Model& model) {
     std::int64_t steps = 0;
-    for (const LoadSegment& segment : load_path(scene, model.time_step)) steps += segment.steps;
+    for (const LoadSegment& segment : load_path(scene, model)) steps += segment.steps;
     if (model.law->traits().planes_pull) steps += relaxation_steps(model, seating_periods);
     return steps;
 }
@@ -392,9 +392,9 @@ std::vector<CoarseStress> coarse_stresses(const ImageFeatures& image, const Scen
     coarse.particles = particles_of(image, coarse.seed_radius, density);
     if (curve != trade->second.curve.end()) try {
             const Model model = compile_model(scene, outline(image, coarse.seed_radius));
-            coarse.cpu_seconds =
-                curve->second.particle_step * coarse.particles * static_cast<double>(steps_of(scene, model)) +
-                prepare_seconds_of(curve->second, coarse.particles);
+            coarse.cpu_seconds = curve->second.particle_step * coarse.particles *
+                                     static_cast<double>(steps_of(scene, model)) * evaluations_per_step(model) +
+                                 prepare_seconds_of(curve->second, coarse.particles);
         } catch (const InvalidInput&) {
             // solve says what the scene cannot do; what it would cost is not known then.
         }
@@ -404,6 +404,11 @@ std::vector<CoarseStress> coarse_stresses(const ImageFeatures& image, const Scen
 Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const TradeTable& table) {
     Plan plan;
     const Scene scene = readable_scene(request.scene_text, request.scene_name);
+    if (scene.scheme == Scheme::quasi_static)
+        throw InvalidInput(
+            fmt::format("scene '{}': errors and costs were measured in explicit steps only, from which a plan chooses; "
+                        "remove scheme, strain_per_step and max_imbalance from [accuracy]",
+                        request.scene_name));
     check_asked(request.of, image);
     plan.of = request.of.empty() ? quantities_of(image, scene, table, request.smallest, plan.left_out) : request.of;
     Found found = search_laws(image, request, table, plan.of);

@@ -106,7 +106,7 @@ std::string with_choice(const std::string& text, const SceneChoice& choice, cons
     for (const Edit& edit : edits) changed.replace(edit.first, edit.last - edit.first, edit.by);
 
     const Scene scene = parse_scene(changed, name);
-    const double step = number_of(scene.law_accuracy, choice.key()).value_or(scene.strain_per_step);
+    const double step = number_of(scene.law_accuracy, choice.key()).value_or(scene.step_strain());
     if (scene.law().name() != choice.law || std::abs(step / choice.step - 1) > 1e-3 || scene.time_step)
         throw InvalidInput(fmt::format(
             "scene '{}': cannot put law = \"{}\" and {} = {:.4g} into it; write each key on a line of its own below "
