@@ -404,11 +404,6 @@ std::vector<CoarseStress> coarse_stresses(const ImageFeatures& image, const Scen
 Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const TradeTable& table) {
     Plan plan;
     const Scene scene = readable_scene(request.scene_text, request.scene_name);
-    if (scene.scheme == Scheme::quasi_static)
-        throw InvalidInput(
-            fmt::format("scene '{}': errors and costs were measured in explicit steps only, from which a plan chooses; "
-                        "remove scheme, strain_per_step and max_imbalance from [accuracy]",
-                        request.scene_name));
     check_asked(request.of, image);
     plan.of = request.of.empty() ? quantities_of(image, scene, table, request.smallest, plan.left_out) : request.of;
     Found found = search_laws(image, request, table, plan.of);

@@ -115,7 +115,9 @@ std::string with_choice(const std::string& text, const SceneChoice& choice, cons
     return changed;
 }
 
-Scene readable_scene(const std::string& text, const std::string& name) {
+namespace {
+
+Scene scene_of_any_law(const std::string& text, const std::string& name) {
     try {
         return parse_scene(text, name);
     } catch (const InvalidInput&) {
@@ -126,6 +128,18 @@ Scene readable_scene(const std::string& text, const std::string& name) {
             }
         throw;
     }
+}
+
+}  // namespace
+
+Scene readable_scene(const std::string& text, const std::string& name) {
+    Scene scene = scene_of_any_law(text, name);
+    if (scene.scheme == Scheme::quasi_static)
+        throw InvalidInput(
+            fmt::format("scene '{}': a plan chooses from errors and costs that were measured in explicit steps only; "
+                        "remove scheme, strain_per_step and max_imbalance from [accuracy]",
+                        name));
+    return scene;
 }
 
 }  // namespace tomodem::plan
