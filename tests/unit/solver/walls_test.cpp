@@ -107,10 +107,16 @@ TEST(Wall, MovesBetweenItsStartAndItsStop) {
     }
 }
 
-TEST(Wall, GoesByTheTimeOfTheLoadWhereSegmentsHaveTimeStepsOfTheirOwn) {
+class LoadTime : public testing::TestWithParam<Scheme> {};
+
+INSTANTIATE_TEST_SUITE_P(BothSchemes, LoadTime, testing::Values(Scheme::explicit_steps, Scheme::quasi_static));
+
+TEST_P(LoadTime, OfSegmentsWithTimeStepsOfTheirOwnMovesWallsAndHardens) {
     // Steps of 5e-4 s, then of a thousandth of that; the wall moves from 2.5 steps of the first to 4 of the second
     // kind.
     Model model = one_phase();
+    model.scheme = GetParam();
+    const bool quasi_static = GetParam() == Scheme::quasi_static;
     const double slow = model.time_step, fast = 1e-3 * slow, speed = 1e-3, stiffness = 6.23e9;
     model.phases[0].natural_period = 1e3;  // so heavy that it stays where it is
     model.phases[0].hardening = Hardening{.table = {{0, 1}, {10 * slow, 2}}};
@@ -124,7 +130,7 @@ TEST(Wall, GoesByTheTimeOfTheLoadWhereSegmentsHaveTimeStepsOfTheirOwn) {
     const auto expect_force = [&](Simulation& one, double time_step) {
         one.run(1);
         const double way = speed * std::max(0.0, std::min(time + time_step, wall.stop) - wall.start);
-        const double strength = model.phases[0].hardening->factor(time);
+        const double strength = model.phases[0].hardening->factor(quasi_static ? time + time_step : time);
         EXPECT_NEAR(one.take_wall_forces()[0].z(), strength * stiffness * way,
                     1e-3 * stiffness * speed * slow + 1e-12 * stiffness)
             << time;
