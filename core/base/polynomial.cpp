@@ -37,6 +37,13 @@ std::vector<double> derivative(Coefficients polynomial) {
     return result;
 }
 
+std::vector<double> from(Coefficients polynomial, double t) {
+    std::vector<double> shifted(polynomial.begin(), polynomial.end());
+    for (std::size_t first = 0; first + 1 < shifted.size(); ++first)  // Horner's scheme, once for each coefficient
+        for (std::size_t k = shifted.size() - 1; k-- > first;) shifted[k] += t * shifted[k + 1];
+    return shifted;
+}
+
 std::vector<double> sign_changes(Coefficients polynomial, double low, double high) {
     std::vector<double> roots;
     if (polynomial.size() < 2) return roots;

@@ -13,6 +13,9 @@ double value(Coefficients polynomial, double t);
 double integral(Coefficients polynomial, double t);
 std::vector<double> derivative(Coefficients polynomial);
 
+/// The same polynomial of the time after `t`.
+std::vector<double> from(Coefficients polynomial, double t);
+
 /// Real roots of odd order (where the sign changes) in (low, high), increasing, each to the last digits.
 std::vector<double> sign_changes(Coefficients polynomial, double low, double high);
 

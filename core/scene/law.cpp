@@ -44,9 +44,9 @@ const CalibrationWindow& Law::expect(const Scene&, const Phase&, const PhaseMode
 
 std::string Law::time_step_reason(const Scene& scene, const Model& model) const {
     if (scene.time_step) return "given in [accuracy]";
-    const double wanted = scene.strain_per_step / scene.highest_rate();
+    const double wanted = scene.step_strain() / scene.highest_rate();
     if (model.time_step >= wanted * (1 - 1e-9))
-        return fmt::format("strain_per_step {:g} at the highest rate {:g} /s", scene.strain_per_step,
+        return fmt::format("strain_per_step {:g} at the highest rate {:g} /s", scene.step_strain(),
                            scene.highest_rate());
     const auto shortest =
         std::min_element(model.phases.begin(), model.phases.end(),
@@ -56,6 +56,10 @@ std::string Law::time_step_reason(const Scene& scene, const Model& model) const 
 }
 
 void Law::warn(const Scene&, const Model&, Reporter&) const {}
+
+double Law::relaxation_time_step(const Model& model) const {
+    return model.time_step;
+}
 
 double Law::steps_of_a_relaxation_period(const Model&) const {
     return relaxation_steps_per_period;

@@ -37,6 +37,7 @@ struct LawTraits {
     bool carries_tension = false;      ///< a step to a larger strain than the one reached is refused if not
     bool planes_pull = false;  ///< faces are placed where planes find enough to hold, and the sample rests there
     bool starts_with_the_flow = false;  ///< particles are given the velocities of a flow that the planes begin
+    bool quasi_static = false;          ///< the velocities at which its forces balance can be found (Scheme)
     Damping damping = Damping::drag;    ///< of a sample that comes to rest
 
     double max_energy_ratio = 1e-5;   ///< at rest: kinetic over elastic energy (docs/relaxation.md)
@@ -88,6 +89,8 @@ class Law {
     virtual std::string time_step_reason(const Scene& scene, const Model& model) const;
     /// Warns of what a scene asks for and the law does badly.
     virtual void warn(const Scene& scene, const Model& model, Reporter& reporter) const;
+    /// Of the steps while a sample comes to rest [s].
+    virtual double relaxation_time_step(const Model& model) const;
     /// Time steps of one period of a relaxation.
     virtual double steps_of_a_relaxation_period(const Model& model) const;
 

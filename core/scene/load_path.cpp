@@ -12,6 +12,11 @@ std::int64_t whole_steps(double duration, double time_step) {
     return static_cast<std::int64_t>(std::max(1.0, std::round(duration / time_step)));
 }
 
+/// Steps of at most that strain each, but for roundings.
+std::int64_t enough_steps(double strain, double strain_per_step) {
+    return static_cast<std::int64_t>(std::max(1.0, std::ceil(strain / strain_per_step * (1 - 1e-9))));
+}
+
 /// Smooth rise of the rate from `from` to `to` [1/s], flat at both ends, over about the strain of the initiation.
 LoadSegment ramp(double start_strain, double from, double to, const Initiation& initiation, double time_step) {
     LoadSegment segment{.strain = start_strain,
@@ -23,6 +28,41 @@ LoadSegment ramp(double start_strain, double from, double to, const Initiation& 
     const double duration = static_cast<double>(segment.steps) * time_step, change = to - from;
     segment.rate = {from, 0, 3 * change / std::pow(duration, 2), -2 * change / std::pow(duration, 3)};
     return segment;
+}
+
+/// Shares of the highest rate of a step between which the segments of a quasi-static load are.
+constexpr double rate_bands[] = {0.5, 0.25, 0.125};
+
+/// Segments closer to each other than that share of the step's duration are one.
+constexpr double shortest_segment = 1e-9;
+
+/// A step of a quasi-static load.
+/// @param rate      signed
+/// @param duration  s
+void add_segments(const std::vector<double>& rate, double strain, double duration, double strain_per_step,
+                  std::vector<LoadSegment>& path) {
+    const double highest = polynomial::largest_magnitude(rate, duration);
+    std::vector<double> ends;
+    for (const double share : rate_bands) {
+        std::vector<double> above = rate;
+        above.front() -= std::copysign(share * highest, rate.front());
+        for (const double time : polynomial::sign_changes(above, 0, duration)) ends.push_back(time);
+    }
+    std::sort(ends.begin(), ends.end());
+    ends.push_back(duration);
+    double start = 0;
+    for (const double end : ends) {
+        const bool last = end == duration;
+        if (const double least = shortest_segment * duration; !last && (end - start < least || duration - end < least))
+            continue;
+        LoadSegment segment{.strain = strain, .rate = polynomial::from(rate, start)};
+        const double length = end - start, fastest = polynomial::largest_magnitude(segment.rate, length);
+        segment.steps = enough_steps(fastest * length, strain_per_step);
+        segment.time_step = length / static_cast<double>(segment.steps);
+        strain = segment.end_strain();
+        path.push_back(std::move(segment));
+        start = end;
+    }
 }
 
 }  // namespace
@@ -65,10 +105,28 @@ std::vector<std::int64_t> LoadSegment::curve_steps(double spacing) const {
     return result;
 }
 
-std::vector<LoadSegment> load_path(const Scene& scene, double time_step, const LoadBegin& begin) {
-    if (scene.duration)
-        return {
-            {.rate = {*scene.nominal_rate}, .steps = whole_steps(*scene.duration, time_step), .time_step = time_step}};
+std::vector<LoadClock> clocks_of(const std::vector<LoadSegment>& segments) {
+    std::vector<LoadClock> clocks;
+    LoadClock clock;
+    std::int64_t step = 0;
+    for (const LoadSegment& segment : segments) {
+        clock = clock.from(step, segment.time_step);
+        clocks.push_back(clock);
+        step += segment.steps;
+    }
+    return clocks;
+}
+
+std::vector<LoadSegment> load_path(const Scene& scene, const Model& model, const LoadBegin& begin) {
+    const double time_step = model.time_step;
+    const bool quasi_static = model.scheme == Scheme::quasi_static;
+    if (scene.duration) {
+        const double rate = *scene.nominal_rate, duration = *scene.duration;
+        if (!quasi_static) return {{.rate = {rate}, .steps = whole_steps(duration, time_step), .time_step = time_step}};
+        std::vector<LoadSegment> path;
+        add_segments({rate}, 0, duration, model.strain_per_step, path);
+        return path;
+    }
     std::vector<LoadSegment> path;
     double reached = begin.strain, last_rate = begin.rate;
     for (const LoadStep& step : scene.steps) {
@@ -81,6 +139,15 @@ std::vector<LoadSegment> load_path(const Scene& scene, double time_step, const L
             reached = path.back().end_strain();
         }
         const double change = std::abs(target - reached);
+        if (quasi_static) {
+            const double duration = polynomial::time_to_reach(step.rate, change).value();
+            std::vector<double> rate = step.rate;
+            for (double& coefficient : rate) coefficient *= sign * change / polynomial::integral(step.rate, duration);
+            add_segments(rate, reached, duration, model.strain_per_step, path);
+            last_rate = path.back().rate_at(path.back().time_step * static_cast<double>(path.back().steps));
+            reached = target;
+            continue;
+        }
         LoadSegment segment{.strain = reached, .rate = step.rate, .time_step = time_step};
         segment.steps = whole_steps(polynomial::time_to_reach(step.rate, change).value(), time_step);
         const double duration = static_cast<double>(segment.steps) * time_step;

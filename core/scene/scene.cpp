@@ -260,6 +260,50 @@ std::vector<Wall> read_walls(const toml::node& node, TomlReader& reader, const s
     return walls;
 }
 
+/// Longer steps than that lose their way in the geometry, and more imbalance than that is no solution.
+constexpr double max_step_strain = 0.05, greatest_imbalance = 0.1;
+
+void read_scheme(TomlReader& reader, Scene& scene) {
+    const auto word = reader.optional_text("scheme");
+    if (!word || *word == "explicit") {
+        reader.refuse(
+            "max_imbalance",
+            "max_imbalance goes with scheme = \"quasi_static\": remove it, or set the scheme (law \"norton\")");
+        return;
+    }
+    const toml::node& node = *reader.find("scheme");
+    if (*word != "quasi_static")
+        reader.fail(node, fmt::format("scheme is \"{}\": expected \"explicit\" or \"quasi_static\"", *word));
+    const LawTraits& law = scene.law().traits();
+    if (!law.quasi_static)
+        reader.fail(node, fmt::format("scheme = \"quasi_static\" needs a viscous law: law \"{}\" is solved in explicit "
+                                      "steps only; remove scheme, or take law = \"norton\"",
+                                      law.name));
+    scene.scheme = Scheme::quasi_static;
+    if (scene.time_step)
+        reader.fail(*reader.find("time_step"),
+                    "scheme = \"quasi_static\" takes steps of strain: give strain_per_step instead of time_step");
+    if (scene.strain_per_step && *scene.strain_per_step > max_step_strain)
+        reader.fail(*reader.find("strain_per_step"),
+                    fmt::format("strain_per_step is {:g}: a step of scheme = \"quasi_static\" takes at most {:g}",
+                                *scene.strain_per_step, max_step_strain));
+    if (const auto wanted = reader.optional_positive("max_imbalance")) {
+        if (*wanted > greatest_imbalance)
+            reader.fail(*reader.find("max_imbalance"),
+                        fmt::format("max_imbalance is {:g}: the net force on the particles over the viscous one is at "
+                                    "most {:g}",
+                                    *wanted, greatest_imbalance));
+        scene.max_imbalance = *wanted;
+    }
+    if (scene.initiation)
+        reader.fail(
+            scene.load_line,
+            "initiation in [load] smooths a transient, which scheme = \"quasi_static\" does not have: remove it");
+    if (std::isfinite(scene.healing_time))
+        reader.fail(node,
+                    "healing_time in [contact] counts explicit time steps: remove it, or scheme = \"quasi_static\"");
+}
+
 void read_accuracy(TomlReader reader, Scene& scene) {
     if (const toml::node* node = reader.find("time_step")) {
         const bool automatic = node->is_string() && *node->value<std::string>() == "auto";
@@ -271,10 +315,17 @@ void read_accuracy(TomlReader reader, Scene& scene) {
                         "strain_per_step chooses the time step: remove one of the two");
         scene.strain_per_step = *value;
     }
+    read_scheme(reader, scene);
     scene.law().read_accuracy(reader, scene);
     if (const auto file = reader.optional_text("calibration"))
         scene.calibration_file = scene.path.parent_path() / *file;
-    scene.averaging_strain = reader.optional_positive("averaging_strain").value_or(scene.averaging_strain);
+    if (const auto window = reader.optional_positive("averaging_strain")) {
+        if (scene.scheme == Scheme::quasi_static)
+            reader.fail(*reader.find("averaging_strain"),
+                        "scheme = \"quasi_static\" averages nothing, its curves have a point at every step: remove "
+                        "averaging_strain");
+        scene.averaging_strain = *window;
+    }
     scene.frames = reader.optional_integer("frames", 1).value_or(scene.frames);
     reader.refuse_unknown();
 }
@@ -443,7 +494,6 @@ Scene scene_of(const toml::table& root, const std::string& text, const std::stri
     }
     const LawTraits& law = scene.law().traits();
     scene.crown_radius = crown.value_or(law.crown_over_seed * scene.seed_radius);
-    scene.strain_per_step = law.strain_per_step;
     scene.law().check_scene(reader, scene);
 
     if (auto contact = reader.table("contact", "[contact]")) read_contact(*contact, scene);

@@ -115,9 +115,10 @@ struct Scene {
     std::int64_t load_line = 0;
     std::vector<Wall> walls;
 
-    std::optional<double> time_step;  ///< s; chosen from strain_per_step when not given
-    double strain_per_step = 5e-6;    ///< largest strain in one time step [-]: the knob of speed against inertia
+    std::optional<double> time_step;        ///< s; chosen from strain_per_step when not given
+    std::optional<double> strain_per_step;  ///< as given: step_strain() is what counts
     Scheme scheme = Scheme::explicit_steps;
+    double max_imbalance = 1e-2;             ///< quasi-static: Model::imbalance
     LawNumbers law_accuracy;                 ///< of [accuracy]
     std::optional<Calibration> calibration;  ///< of the scene's own: [accuracy] calibration, or a table [calibration]
     std::filesystem::path calibration_file;  ///< where it was read from; empty where the scene's text holds it
@@ -131,6 +132,8 @@ struct Scene {
     const Phase& phase(std::int32_t label) const;  ///< @throws InvalidInput if no phase has it
     /// The scene's own calibration, or the one that ships.
     const Calibration& flow_table() const { return calibration ? *calibration : shipped_calibration(); }
+    /// Largest strain in one time step [-], the knob of speed against accuracy: as given, or the law's own.
+    double step_strain() const { return strain_per_step.value_or(law().traits().strain_per_step); }
     double highest_rate() const;
     /// The lowest of the steps' rates, where they begin.
     double lowest_rate() const;

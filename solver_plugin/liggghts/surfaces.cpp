@@ -17,8 +17,7 @@ int FixSurface::setmask() {
     return FixConst::POST_FORCE;
 }
 
-Vec3 FixSurface::displacement(bigint step, double after) const {
-    const double time = update->dt * static_cast<double>(step - first_step_) + after;
+Vec3 FixSurface::displacement(double time) const {
     return std::max(0.0, std::min(time, motion_.stop) - motion_.start) * motion_.velocity;
 }
 
@@ -34,7 +33,7 @@ FixSurface::Forces FixSurface::take_forces() {
 }
 
 std::int64_t FixSurface::particles_within(double distance) const {
-    const Vec3 moved = displacement(update->ntimestep);
+    const Vec3 moved = displacement(clock_.at(update->ntimestep));
     std::int64_t count = 0;
     std::vector<int> found;
     for (int i = 0; i < atom->nlocal; ++i) {
@@ -58,8 +57,9 @@ void FixSurface::choose_candidates(const Vec3& moved) {
 }
 
 void FixSurface::add_walls(double start, double interval, int number, std::vector<NearWall>& walls) const {
-    const Vec3 moved = displacement(update->ntimestep, start);
-    const Vec3 velocity = (displacement(update->ntimestep, start + interval) - moved) / interval;
+    const double time = clock_.at(update->ntimestep) + start;
+    const Vec3 moved = displacement(time);
+    const Vec3 velocity = (displacement(time + interval) - moved) / interval;
     std::vector<int> found;
     std::vector<SurfaceContact> contacts;
     for (int i = 0; i < atom->nlocal; ++i) {
@@ -79,7 +79,7 @@ void FixSurface::add_walls(double start, double interval, int number, std::vecto
 }
 
 void FixSurface::post_force(int) {
-    const Vec3 moved = displacement(update->ntimestep);
+    const Vec3 moved = displacement(clock_.at(update->ntimestep));
     const bool outrun = (moved - chosen_at_).norm() > 0.5 * neighbor->skin;
     if (neighbor->ago == 0 || update->setupflag || outrun) choose_candidates(moved);
 
@@ -87,10 +87,10 @@ void FixSurface::post_force(int) {
     Vec3 velocity;
     if (pair.kernel().finds_velocities()) {
         const double interval = pair.kernel().interval();
-        velocity = (displacement(update->ntimestep, interval) - moved) / interval;
+        velocity = (displacement(clock_.at(update->ntimestep) + interval) - moved) / interval;
     } else {
         // The particles hold their half-step velocities when forces are computed: so does the surface.
-        velocity = (moved - displacement(update->ntimestep - 1)) / update->dt;
+        velocity = (moved - displacement(clock_.at(update->ntimestep - 1))) / update->dt;
     }
     Vec3 total = Vec3::Zero();
     const bool tallies = tally_step_ == update->ntimestep;

@@ -1,9 +1,9 @@
 #pragma once
 #include <array>
-#include <limits>
 #include <memory>
 #include <vector>
 
+#include "core/scene/load_path.hpp"
 #include "solver_plugin/liggghts/liggghts.hpp"
 #include "solver_plugin/pairs/pair_kernel.hpp"
 #include "solver_plugin/pairs/triangle_contacts.hpp"
@@ -16,7 +16,7 @@ class FixSurface : public LAMMPS_NS::Fix {
  public:
     struct Motion {
         Vec3 velocity = Vec3::Zero();
-        double start = 0.0, stop = 0.0;  ///< s after the first step
+        double start = 0.0, stop = 0.0;  ///< s of the load
     };
     /// Sum of the forces on the sample over the steps since the last reset.
     struct Forces {
@@ -28,8 +28,8 @@ class FixSurface : public LAMMPS_NS::Fix {
 
     /// @param mesh  where it is until it starts
     void place(const TriangleMesh& mesh, const Motion& motion);
-    /// The motion's time counts from this step.
-    void start(LAMMPS_NS::bigint step) { first_step_ = step; }
+    /// The time of the load that the motion goes by from now on; before the first call the surface is at rest.
+    void follow(const LoadClock& clock) { clock_ = clock; }
     /// This process' share; the sum over processes is the force.
     Forces take_forces();
     /// Particles of this process nearer than `distance` at the present step.
@@ -48,8 +48,8 @@ class FixSurface : public LAMMPS_NS::Fix {
     void post_force(int) override;
 
  private:
-    /// @param after  the step [s]
-    Vec3 displacement(LAMMPS_NS::bigint step, double after = 0) const;
+    /// @param time  of the load [s]
+    Vec3 displacement(double time) const;
     Vec3 place_of(int i, const Vec3& displacement) const;
     void choose_candidates(const Vec3& displacement);
 
@@ -59,7 +59,7 @@ class FixSurface : public LAMMPS_NS::Fix {
     };
     std::unique_ptr<TriangleTree> tree_;
     Motion motion_;
-    LAMMPS_NS::bigint first_step_ = std::numeric_limits<LAMMPS_NS::bigint>::max() / 2;
+    LoadClock clock_;
     Forces forces_;
     std::vector<Candidate> candidates_;
     std::vector<SurfaceContact> contacts_;

@@ -59,7 +59,7 @@ EndOfRun EndOfRun::restored(const Checkpoint& checkpoint) {
 
 double Continuation::time() const {
     const Checkpoint& at = state.checkpoint;
-    return (at.number("solver_step") - at.number("solver_loading_start")) * end.time_step;
+    return clock_of(at.numbers.at("solver_material_clock")).at(static_cast<std::int64_t>(at.number("solver_step")));
 }
 
 LoadBegin Continuation::begin(const Scene& next) const {
@@ -99,6 +99,12 @@ void check_continuation(const Continuation& before, const Scene& next) {
     require_same("radius_dispersion", last.radius_dispersion, next.radius_dispersion);
     require_same("objects_only_push", last.objects_only_push, next.objects_only_push);
     require_same("axis", "xyz"[last.axis], "xyz"[next.axis]);
+    if (std::isfinite(next.healing_time) && last.scheme == Scheme::quasi_static)
+        throw InvalidInput(
+            fmt::format("scene '{}' has a healing_time, but the run '{}' was quasi-static, which keeps no age of its "
+                        "contacts; remove "
+                        "healing_time",
+                        next.path.string(), before.run.string()));
     require_same("lateral", std::string(name_of(last.lateral)), std::string(name_of(next.lateral)));
     if (labels_of(last) != labels_of(next))
         throw InvalidInput(
@@ -167,9 +173,8 @@ void prepare(Continuation& before, const Scene& next, const Model& model) {
     const double step = before.state.checkpoint.number("solver_step");
     const double ratio = before.end.time_step / model.time_step;
     const auto moved = [&](double earlier) { return step - std::round((step - earlier) * ratio); };
-    numbers["solver_walls_start"] = {step};
+    numbers["solver_run_clock"] = numbers_of({.step = static_cast<std::int64_t>(step)});
     if (ratio != 1) {
-        numbers["solver_loading_start"] = {moved(before.state.checkpoint.number("solver_loading_start"))};
         ParticleState& particles = before.state.checkpoint.particles;
         constexpr std::int32_t outward_words = 3;
         std::size_t word = 0;

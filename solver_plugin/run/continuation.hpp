@@ -20,7 +20,7 @@ struct EndOfRun {
     double strain = 0;                                ///< true strain between the planes, as their motion counts it
     double total_strain = 0;                          ///< true strain since the sample was undeformed
     double rate = 0;                                  ///< signed [1/s]
-    double time_step = 0;                             ///< s
+    double time_step = 0;                             ///< of the last step [s]
     double height = 0;                                ///< Model::height
     double section = 0;                               ///< mm^2
     double kinetic_energy = 0, potential_energy = 0;  ///< nJ

@@ -34,6 +34,9 @@ std::vector<Ingredient> ingredients_of(const Scene& scene, const Packing& sample
     const std::string own_law = fmt::format("law \"{}\"", model.law->name());
     for (const Law* law : laws())
         if (!law->traits().feature.empty()) add(law->traits().feature, law == model.law, own_law, own_law);
+    add("velocities_that_are_found", model.scheme == Scheme::quasi_static,
+        fmt::format("scheme = \"quasi_static\": to a force balance of {:g}", model.imbalance),
+        "scheme = \"explicit\": forces accelerate masses");
     add("several_laws", model.phases.size() > 1 || model.objects_only_push,
         model.phases.size() > 1 ? fmt::format("{} phases, mixed pairs take the averages", model.phases.size())
                                 : "one phase of several objects",
@@ -71,7 +74,7 @@ Explanation explain(const Packing& sample, const Scene& scene, const Continuatio
     const Meter meter(communicator);
     const Model model = model_of(scene, sample, before);
     forewarn(scene, sample, model, before, reporter);
-    const std::vector<LoadSegment> path = load_path(scene, model.time_step);
+    const std::vector<LoadSegment> path = load_path(scene, model);
 
     Explanation found;
     found.ingredients = ingredients_of(scene, sample, model, before);
@@ -83,6 +86,8 @@ Explanation explain(const Packing& sample, const Scene& scene, const Continuatio
     if (!sample.relaxed)
         found.steps += relaxation_steps(model, expected_relaxation_periods(static_cast<std::int64_t>(sample.size())));
     if (model.law->traits().planes_pull && before == nullptr) found.steps += relaxation_steps(model, seating_periods);
+    if (model.scheme == Scheme::quasi_static)
+        found.evaluations = std::llround(static_cast<double>(found.steps) * evaluations_per_step(model));
 
     plugin::Simulation simulation(sample, model, scene.axis, communicator);
     if (!scene.steps.empty()) simulation.place_planes();

@@ -37,7 +37,7 @@ void forewarn(const Scene& scene, const Packing& sample, const Model& model, con
     if (!sample.relaxed) reporter.note("the sample is not relaxed yet: it is relaxed before the load");
     model.law->warn(scene, model, reporter);
     double end = before != nullptr ? before->time() : 0;
-    for (const LoadSegment& segment : load_path(scene, model.time_step))
+    for (const LoadSegment& segment : load_path(scene, model))
         end += segment.time_step * static_cast<double>(segment.steps);
     warn_of_hardening(scene, end, reporter);
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/scene/load_path.hpp"
 
 namespace tomodem {
 
@@ -30,12 +31,41 @@ constexpr double overrun_share = 1e-3;
 /// The same way in one natural period. A particle that a plane hits is dug into by 1/(2 pi) of it.
 constexpr double plane_way_in_period_warned = 1;
 
-/// Advice, in the keys that the scene's law has.
+bool is_quasi_static(const Model& model) {
+    return model.scheme == Scheme::quasi_static;
+}
+
+/// Advice, in the keys that the scene has.
 std::string calmer(const Model& model) {
-    return fmt::format(
-        "take a lower rate, a smaller {}, or a shorter natural_period if the scene gives one; parts that are one or "
-        "two particles thick need a sample of finer particles",
-        model.law->traits().less_heat);
+    const std::string finer = "parts that are one or two particles thick need a sample of finer particles";
+    if (is_quasi_static(model)) return "take a smaller strain_per_step or max_imbalance; " + finer;
+    return fmt::format("take a lower rate, a smaller {}, or a shorter natural_period if the scene gives one; {}",
+                       model.law->traits().less_heat, finer);
+}
+
+/// Nobody may jump over particles in one step of quasi-static flow; a shorter step costs but more steps.
+/// @param way     in one step, over the crown radius
+void refuse_long_way(const std::string& what, double way) {
+    if (way > plane_way_refused)
+        throw InvalidInput(
+            fmt::format("{} by {:.2g} crown radii in one step, at most {:g}; take a smaller strain_per_step", what, way,
+                        plane_way_refused));
+}
+
+void check_quasi_static_speed(const Scene& scene, const Model& model, double height, double seed_radius) {
+    if (!scene.steps.empty())
+        refuse_long_way("the planes move", 0.5 * model.strain_per_step * height / model.crown_radius);
+    const double crown = model.crown_radius * seed_radius / model.seed_radius;
+    const std::vector<LoadSegment> path = load_path(scene, model);
+    const std::vector<LoadClock> clocks = clocks_of(path);
+    std::int64_t step = 0;
+    for (std::size_t k = 0; k < path.size(); ++k) {
+        const double begin = clocks[k].at(step), end = clocks[k].at(step += path[k].steps);
+        for (const Wall& wall : scene.walls)
+            if (wall.start < end && wall.stop > begin)
+                refuse_long_way(fmt::format("[[wall]] '{}' moves", wall.name),
+                                Vec3(wall.velocity.data()).norm() * path[k].time_step / crown);
+    }
 }
 
 }  // namespace
@@ -69,8 +99,9 @@ void refuse_heat(const Simulation& simulation, double kinetic_energy, const Mode
     if (flow > 0 && kinetic_energy > law.max_heat * flow)
         throw InvalidInput(
             fmt::format("the packing heats up {} (step {}): its kinetic energy is {:.2g} times that of the flow, above "
-                        "{:g}; take a smaller time_step or {}",
-                        when, simulation.step(), kinetic_energy / flow, law.max_heat, law.less_heat));
+                        "{:g}; take a smaller {}",
+                        when, simulation.step(), kinetic_energy / flow, law.max_heat,
+                        is_quasi_static(model) ? "strain_per_step or max_imbalance" : "time_step or " + law.less_heat));
 }
 
 void refuse_collapse(const Simulation& simulation, double elastic_energy, const Model& model, const std::string& when) {
@@ -88,7 +119,7 @@ void refuse_collapse(const Simulation& simulation, double elastic_energy, const 
 }
 
 void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample, Reporter& reporter) {
-    if (scene.steps.empty()) return;
+    if (scene.steps.empty() && !is_quasi_static(model)) return;
     double low = 1e300, high = -1e300;
     for (const Vec3& point : sample.position) {
         low = std::min(low, point[scene.axis]);
@@ -97,6 +128,7 @@ void check_plane_speed(const Scene& scene, const Model& model, const Packing& sa
     double highest_strain = 0;
     for (const LoadStep& step : scene.steps) highest_strain = std::max(highest_strain, step.strain);
     const double height = (high - low) * model.seed_radius / sample.seed_radius * std::exp(highest_strain);
+    if (is_quasi_static(model)) return check_quasi_static_speed(scene, model, height, sample.seed_radius);
     const double speed = 0.5 * scene.highest_rate() * height / model.crown_radius;
     const double way = speed * model.time_step;
     const std::string what = fmt::format(

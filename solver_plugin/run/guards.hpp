@@ -28,7 +28,8 @@ void refuse_heat(const plugin::Simulation& simulation, double kinetic_energy, co
 void refuse_collapse(const plugin::Simulation& simulation, double elastic_energy, const Model& model,
                      const std::string& when);
 
-/// The planes must not jump over particles: warns, or throws InvalidInput.
+/// The planes must not jump over particles, nor walls in the long steps of a quasi-static run: warns, or throws
+/// InvalidInput.
 void check_plane_speed(const Scene& scene, const Model& model, const Packing& sample, Reporter& reporter);
 
 }  // namespace tomodem

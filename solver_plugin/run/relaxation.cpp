@@ -53,7 +53,7 @@ Simulation::Watch watching(Watch& watch, const Simulation& simulation) {
 void rest_inside(Simulation& simulation, const Model& model, double periods, const Simulation::Watch& watch,
                  Reporter& reporter) {
     const std::int64_t steps = relaxation_steps(model, periods);
-    constexpr std::int64_t chunk = 50;
+    const std::int64_t chunk = model.scheme == Scheme::quasi_static ? 1 : 50;
     const auto progress = reporter.progress("relaxing", static_cast<double>(steps));
     simulation.begin_relaxation();
     for (std::int64_t done = 0; done < steps; done += chunk) {

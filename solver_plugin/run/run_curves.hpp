@@ -13,6 +13,11 @@ namespace tomodem {
 /// Points of a curve in averaging_strain.
 inline constexpr int points_per_window = 10;
 
+/// Points that a force is a mean over: a quasi-static one is what it is.
+inline int window_points(const Scene& scene) {
+    return scene.scheme == Scheme::quasi_static ? 1 : points_per_window;
+}
+
 /// Mean forces of planes and walls on the sample over some steps.
 struct Forces {
     plugin::PlaneForces planes;
@@ -23,9 +28,11 @@ struct Forces {
 /// Means of the forces over the last window of strain, point by point.
 class ForceWindow {
  public:
+    explicit ForceWindow(int points) : points_(static_cast<std::size_t>(points)) {}
+
     void add(Forces forces) {
         recent_.push_back(std::move(forces));
-        if (recent_.size() > points_per_window) recent_.pop_front();
+        if (recent_.size() > points_) recent_.pop_front();
     }
     bool filled() const { return !recent_.empty(); }
     Forces mean() const {
@@ -59,6 +66,7 @@ class ForceWindow {
     }
 
  private:
+    std::size_t points_;
     std::deque<Forces> recent_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "solver_plugin/run/run_curves.hpp"
 
@@ -13,12 +14,20 @@ namespace {
 constexpr int samples_per_point = 2;
 
 /// Steps after which, at the next point of the curves, the solver is set up anew: what a checkpoint can be made of.
-constexpr std::int64_t steps_between_rests = 2000;
+constexpr std::int64_t steps_between_rests = 2000, quasi_static_steps_between_rests = 10;
+
+std::vector<std::int64_t> every_step(std::int64_t steps) {
+    std::vector<std::int64_t> all(static_cast<std::size_t>(steps));
+    std::iota(all.begin(), all.end(), 1);
+    return all;
+}
 
 }  // namespace
 
 std::vector<PlannedPoint> plan_points(const Scene& scene, const std::vector<LoadSegment>& segments) {
+    const bool quasi_static = scene.scheme == Scheme::quasi_static;
     const double spacing = scene.averaging_strain / points_per_window;
+    const std::int64_t between_rests = quasi_static ? quasi_static_steps_between_rests : steps_between_rests;
     const double frame_spacing = scene.path_length() / static_cast<double>(scene.frames);
     std::vector<PlannedPoint> plan;
     double travelled = 0;
@@ -26,7 +35,7 @@ std::vector<PlannedPoint> plan_points(const Scene& scene, const std::vector<Load
     for (std::size_t k = 0; k < segments.size(); ++k) {
         std::int64_t from = 0;
         double reached = segments[k].strain;
-        for (const std::int64_t to : segments[k].curve_steps(spacing)) {
+        for (const std::int64_t to : quasi_static ? every_step(segments[k].steps) : segments[k].curve_steps(spacing)) {
             const double strain = segments[k].strain_at(segments[k].time_step * static_cast<double>(to));
             travelled += std::abs(strain - reached);
             reached = strain;
@@ -38,14 +47,14 @@ std::vector<PlannedPoint> plan_points(const Scene& scene, const std::vector<Load
             since_rest += to - from;
             // A run that continues from the end of a load must begin as one does that goes on with the next load.
             const bool ends_load = to == segments[k].steps && k + 1 < segments.size();
-            point.rest = since_rest >= steps_between_rests || ends_load;
+            point.rest = since_rest >= between_rests || ends_load;
             if (point.rest) since_rest = 0;
             from = to;
             plan.push_back(point);
         }
     }
     for (std::size_t k = 0; scene.write_stress && k < plan.size(); ++k)
-        for (std::size_t j = k; j < std::min(plan.size(), k + points_per_window); ++j)
+        for (std::size_t j = k; j < std::min(plan.size(), k + static_cast<std::size_t>(window_points(scene))); ++j)
             if (plan[j].frame) {
                 plan[k].sampled = true;
                 break;

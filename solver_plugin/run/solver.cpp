@@ -82,8 +82,10 @@ class Pressing {
           watch_(communicator),
           model_(model_of(scene, *sample_, before_)),
           begin_(before_ ? before_->begin(scene) : LoadBegin{}),
-          segments_(load_path(scene, model_.time_step, begin_)),
-          plan_(plan_points(scene, segments_)) {
+          segments_(load_path(scene, model_, begin_)),
+          clocks_(clocks_of(segments_)),
+          plan_(plan_points(scene, segments_)),
+          window_(window_points(scene)) {
         if (run_file.extension() == ".xdmf")
             throw InvalidInput(fmt::format("cannot write '{}': name the HDF5 file (.h5), the .xdmf comes beside it",
                                            run_file.string()));
@@ -133,7 +135,12 @@ class Pressing {
 
  private:
     Simulation& simulation() { return *simulation_; }
-    double time(std::int64_t step) const { return static_cast<double>(step) * model_.time_step; }
+    /// Of the load at a point [s].
+    double time_at(const PlannedPoint& point) const {
+        return clocks_[point.segment].at(segment_start(point.segment) - start_ + point.to);
+    }
+    /// At the last point reached.
+    double time() const { return next_ > 0 ? time_at(plan_[next_ - 1]) : 0; }
     /// Steps since the begin of the load.
     std::int64_t step() const { return simulation_->step() - start_; }
     std::int64_t segment_start(std::size_t segment) const {
@@ -233,8 +240,8 @@ class Pressing {
 
     /// The last rate of the run before is that of the present segment until the load begins.
     void hold() {
-        simulation().continue_loading({.strain = begin_.strain, .rate = {begin_.rate}, .time_step = model_.time_step},
-                                      simulation().step());
+        simulation().continue_loading(
+            {.strain = begin_.strain, .rate = {begin_.rate}, .time_step = before_->end.time_step}, simulation().step());
     }
 
     void resume() {
@@ -362,7 +369,7 @@ class Pressing {
             sums_ = {};
         }
         together(communicator_, [&] {
-            if (first_) file_->mark_frame(frames_, step(), time(step()));
+            if (first_) file_->mark_frame(frames_, step(), time());
         });
         ++frames_;
     }
@@ -372,7 +379,7 @@ class Pressing {
         together(communicator_, [&] {
             if (!first_) return;
             for (const CurveValue& curve : curve_values(scene_, point, wall_forces, energies))
-                file_->write_point(curve.name, index, step(), time(step()), curve.value);
+                file_->write_point(curve.name, index, step(), time(), curve.value);
         });
     }
 
@@ -464,7 +471,7 @@ class Pressing {
             if (!first_) return;
             std::vector<double> times{0};
             for (const PlannedPoint& point : plan_)
-                if (point.frame) times.push_back(time(segment_start(point.segment) - start_ + point.to));
+                if (point.frame) times.push_back(time_at(point));
             remove_sidecar(run_file_);
             output_->commit();
             write_sidecar(static_cast<std::size_t>(simulation().initial_particles()), has_objects_, times, fields_,
@@ -486,7 +493,7 @@ class Pressing {
         EndOfRun{.strain = planes ? begin_.strain + scene_.steps.back().strain : 0,
                  .total_strain = total_strain_ + (planes ? scene_.steps.back().strain : 0),
                  .rate = planes ? last.rate_at(last.time_step * static_cast<double>(last.steps)) : 0,
-                 .time_step = model_.time_step,
+                 .time_step = last.time_step,
                  .height = model_.height,
                  .section = planes ? last_section_ : initial_section_,
                  .kinetic_energy = last_energies_.kinetic,
@@ -512,7 +519,9 @@ class Pressing {
     Model model_;
     LoadBegin begin_;
     std::vector<LoadSegment> segments_;
+    std::vector<LoadClock> clocks_;  ///< of the segments, from the begin of the load
     std::vector<PlannedPoint> plan_;
+    ForceWindow window_;
     std::vector<ParticleField> fields_;
     double initial_section_ = 0;
     std::optional<OutputFile> output_;  // on the first process
@@ -523,7 +532,6 @@ class Pressing {
     std::int64_t start_ = 0;
     std::int64_t steps_before_ = 0;  ///< of the run that this one continues
     std::size_t frames_ = 0;
-    ForceWindow window_;
     double predicted_wall_ = 0;
     double error_sum_ = 0, last_stress_ = 0, last_strain_ = 0, last_section_ = 0;
     plugin::Energies last_energies_;

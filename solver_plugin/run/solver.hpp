@@ -61,7 +61,7 @@ Relaxation come_to_rest(const Packing& sample, const Scene& scene, const RestLim
 
 struct RunResult {
     Cost cost;
-    double time_step = 0.0;  ///< s
+    double time_step = 0.0;  ///< Model::time_step [s]
     double final_strain = 0.0;
     double final_stress = 0.0;          ///< true stress at the end [Pa], tension positive
     double mean_equilibrium_error = 0;  ///< over the second half of the strain path [-]
@@ -80,7 +80,8 @@ struct Continuation;
 
 /// Relaxes the sample if it is not, presses it as the scene says, and writes frames and curves to an H5MD file.
 ///
-/// Curves have a point every tenth of averaging_strain; each force is a mean over the last averaging_strain.
+/// Curves have a point every tenth of averaging_strain; each force is a mean over the last averaging_strain. A
+/// quasi-static run has a point at every step, of the forces there.
 /// The true stress uses A = A0 H0 / H with A0 the section of the sample's box (docs/method.md).
 ///
 /// While it runs, the run is in RUN.partial, readable at any moment, and RUN.checkpoint is what a later process resumes

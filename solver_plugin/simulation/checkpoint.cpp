@@ -143,7 +143,7 @@ FoundCheckpoint read_state(const Hdf5Reader& reader, const std::string& parent, 
 
 constexpr const char* end_group = "/end";
 /// Of what stands in that group.
-constexpr std::int32_t end_format = 1;
+constexpr std::int32_t end_format = 2;
 
 void require_same(const Hdf5Reader& reader, const std::string& what, const std::string& mine, const fs::path& path) {
     const std::string found = reader.one_text("/inputs/" + what);
@@ -177,6 +177,14 @@ void agree(MPI_Comm communicator, const std::string& error) {
 
 std::size_t first_row(std::size_t rows, int rank, int processes) {
     return rows * static_cast<std::size_t>(rank) / static_cast<std::size_t>(processes);
+}
+
+std::vector<double> numbers_of(const LoadClock& clock) {
+    return {clock.time, static_cast<double>(clock.step), clock.time_step};
+}
+
+LoadClock clock_of(const std::vector<double>& numbers) {
+    return {numbers.at(0), static_cast<std::int64_t>(numbers.at(1)), numbers.at(2)};
 }
 
 void write_checkpoint(const Checkpoint& checkpoint, const Inputs& inputs, const fs::path& path, MPI_Comm communicator) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/scene/load_path.hpp"
 
 /// What an interrupted run needs to resume bit by bit: docs/running.md.
 namespace tomodem {
@@ -35,6 +36,10 @@ struct Checkpoint {
 
     double number(const std::string& name) const { return numbers.at(name).at(0); }
 };
+
+/// A clock as numbers of a checkpoint, and back.
+std::vector<double> numbers_of(const LoadClock& clock);
+LoadClock clock_of(const std::vector<double>& numbers);
 
 /// Inputs that must match to resume a run.
 struct Inputs {

@@ -95,6 +95,8 @@ Simulation::~Simulation() = default;
 void Simulation::begin_relaxation() {
     State& s = *state_;
     s.relaxing = true;
+    s.step_by(s.model.law->relaxation_time_step(s.model));
+    if (s.quasi_static()) s.ready = false;  // velocities are found again, for rest
     if (s.model.law->traits().damping == Damping::law) {
         s.use_laws();
         return;
@@ -124,7 +126,8 @@ void Simulation::end_relaxation() {
     if (damping == Damping::drag) state_->session.command("unfix drag");
     state_->relaxing = false;
     if (damping == Damping::law) state_->use_laws();
-    state_->loading_start = step();
+    state_->step_by(state_->model.time_step);
+    state_->material_clock = {0, step(), state_->model.time_step};
     LAMMPS_NS::Atom& atoms = state_->atom();
     for (int i = 0; i < atoms.nlocal; ++i)
         for (int c = 0; c < 3; ++c) atoms.v[i][c] = 0;
@@ -182,7 +185,7 @@ std::int64_t Simulation::place_wall(const TriangleMesh& mesh, const Wall& wall) 
     motion.start = wall.start;
     motion.stop = wall.stop;
     fix->place(placed, motion);
-    if (s.loading) fix->start(s.walls_start);
+    if (s.loading) fix->follow(s.run_clock);
     s.surfaces.push_back(fix);
     s.use_laws();
     s.ready = false;
@@ -195,10 +198,9 @@ void Simulation::set_loading(const LoadSegment& segment) {
     if (!s.loading) {
         // Walls stand still, and forces do not count, while the sample comes to rest between them.
         s.loading = true;
-        s.loading_start = s.walls_start = step();
+        s.material_clock = s.run_clock = {.step = step()};
         // Pairs that form before, while the sample comes to rest, are internal.
         if (s.model.self_contact) s.remember_contacts();
-        for (FixSurface* surface : s.surfaces) surface->start(step());
         take_forces();
         take_wall_forces();
     }
@@ -212,7 +214,13 @@ void Simulation::set_loading(const LoadSegment& segment) {
 void Simulation::continue_loading(const LoadSegment& segment, std::int64_t first_step) {
     State& s = *state_;
     s.segment = segment;
+    if (segment.time_step == 0) s.segment.time_step = s.model.time_step;
     s.segment_start = first_step;
+    s.step_by(s.segment.time_step);
+    if (s.quasi_static()) s.ready = false;  // velocities are found again, for this segment
+    s.material_clock = s.material_clock.from(first_step, s.segment.time_step);
+    s.run_clock = s.run_clock.from(first_step, s.segment.time_step);
+    for (FixSurface* surface : s.surfaces) surface->follow(s.run_clock);
     if (s.planes == nullptr) return;
     FixPlanes::Motion motion = s.planes->motion();
     motion.segment = segment;
@@ -226,8 +234,8 @@ void Simulation::run(std::int64_t steps, const Watch& watch) {
     s.set_up_if_needed();
     // While the sample comes to rest between planes that stand still, the sides do too.
     if (s.loading && s.sides != nullptr && s.model.lateral == Lateral::periodic) s.steer_sides();
-    const std::int64_t middle = step() + steps / 2 - s.loading_start;
-    if (!s.relaxing) s.harden(static_cast<double>(middle) * s.model.time_step);
+    // Forces accelerate on the way; velocities are found at its end.
+    if (!s.relaxing) s.harden(s.material_clock.at(step() + (s.quasi_static() ? steps : steps / 2)));
     s.watch->call(watch);
     constexpr std::int64_t most = 1'000'000'000;  // LIGGGHTS counts the steps of one run in an int
     for (std::int64_t left = steps; left > 0; left -= most)

@@ -28,9 +28,9 @@ void Simulation::save(Checkpoint& checkpoint) const {
             particles.memory.insert(particles.memory.end(), {one.partner, one.since});
         particles.memory_length[i] = static_cast<std::int32_t>(particles.memory.size() - before);
     }
-    checkpoint.numbers["solver_loading_start"] = {static_cast<double>(s.loading_start)};
+    checkpoint.numbers["solver_material_clock"] = numbers_of(s.material_clock);
+    checkpoint.numbers["solver_run_clock"] = numbers_of(s.run_clock);
     checkpoint.numbers["solver_loading"] = {s.loading ? 1.0 : 0.0};
-    checkpoint.numbers["solver_walls_start"] = {static_cast<double>(s.walls_start)};
     checkpoint.numbers["solver_centre"] = {s.centre[0], s.centre[1], s.centre[2]};
     checkpoint.numbers["solver_hardening"] = s.hardening;
     checkpoint.numbers["solver_step"] = {static_cast<double>(step())};
@@ -58,8 +58,8 @@ void Simulation::restore(const FoundCheckpoint& found) {
     }
     s.count_particles();
     s.hardening = found.checkpoint.numbers.at("solver_hardening");
-    s.loading_start = static_cast<std::int64_t>(found.checkpoint.number("solver_loading_start"));
-    s.walls_start = static_cast<std::int64_t>(found.checkpoint.number("solver_walls_start"));
+    s.material_clock = clock_of(found.checkpoint.numbers.at("solver_material_clock"));
+    s.run_clock = clock_of(found.checkpoint.numbers.at("solver_run_clock"));
     s.loading = found.checkpoint.number("solver_loading") != 0;
     std::copy_n(found.checkpoint.numbers.at("solver_centre").data(), 3, s.centre.data());
     rest();

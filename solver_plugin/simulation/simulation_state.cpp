@@ -32,6 +32,7 @@ Simulation::State::State(const Packing& sample, const Model& model, int axis, MP
     scale = model.seed_radius / sample.seed_radius;
     count = static_cast<std::int64_t>(sample.size());
     sample_volume = sample.box.volume();
+    material_clock.time_step = run_clock.time_step = model.time_step;
     if (model.objects_only_push) object = sample.object;
     for (const PhaseModel& phase : model.phases)
         hardening.push_back(phase.hardening ? phase.hardening->factor(0) : 1.0);
@@ -59,6 +60,12 @@ void Simulation::State::add_planes() {
 
 void Simulation::State::use_laws() {
     pair->use({model, hardening, relaxing, !radius_factors.empty()});
+}
+
+void Simulation::State::step_by(double time_step) {
+    if (session.lmp().update->dt == time_step) return;
+    session.command(fmt::format("timestep {:.17g}", time_step));
+    ready = false;
 }
 
 void Simulation::State::harden(double time) {

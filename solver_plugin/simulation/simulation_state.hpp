@@ -40,8 +40,8 @@ struct Simulation::State {
     std::vector<double> hardening;     ///< factor of each phase at present
     bool relaxing = false;
     bool loading = false;
-    std::int64_t loading_start = 0;      ///< step: hardening counts from here
-    std::int64_t walls_start = 0;        ///< step: the motion of the walls counts from here
+    LoadClock material_clock;            ///< all time under load: hardening goes by it
+    LoadClock run_clock;                 ///< of the present load: the motion of the walls goes by it
     bool ready = false;                  ///< LIGGGHTS is set up for the present masses, planes and walls
     double sample_volume = 0;            ///< of the sample's box, in its own lengths
     std::int64_t builds_before = 0;      ///< neighbour builds before the last set-up
@@ -98,8 +98,13 @@ struct Simulation::State {
     /// Widens the periodic sides while the sample presses on them, and narrows them while it pulls.
     void steer_sides();
 
+    bool quasi_static() const { return model.scheme == Scheme::quasi_static; }
+
+    /// From now on the steps have that length [s].
+    void step_by(double time_step);
+
     double time_in_segment() {
-        return model.time_step * static_cast<double>(session.lmp().update->ntimestep - segment_start);
+        return segment.time_step * static_cast<double>(session.lmp().update->ntimestep - segment_start);
     }
 
     /// Adds the velocities of a uniaxial flow about the planes' centre that keeps the volume.

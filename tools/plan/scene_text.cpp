@@ -106,7 +106,7 @@ std::string with_choice(const std::string& text, const SceneChoice& choice, cons
     for (const Edit& edit : edits) changed.replace(edit.first, edit.last - edit.first, edit.by);
 
     const Scene scene = parse_scene(changed, name);
-    const double step = number_of(scene.law_accuracy, choice.key()).value_or(scene.strain_per_step);
+    const double step = number_of(scene.law_accuracy, choice.key()).value_or(scene.step_strain());
     if (scene.law().name() != choice.law || std::abs(step / choice.step - 1) > 1e-3 || scene.time_step)
         throw InvalidInput(fmt::format(
             "scene '{}': cannot put law = \"{}\" and {} = {:.4g} into it; write each key on a line of its own below "
@@ -115,7 +115,9 @@ std::string with_choice(const std::string& text, const SceneChoice& choice, cons
     return changed;
 }
 
-Scene readable_scene(const std::string& text, const std::string& name) {
+namespace {
+
+Scene scene_of_any_law(const std::string& text, const std::string& name) {
     try {
         return parse_scene(text, name);
     } catch (const InvalidInput&) {
@@ -126,6 +128,18 @@ Scene readable_scene(const std::string& text, const std::string& name) {
             }
         throw;
     }
+}
+
+}  // namespace
+
+Scene readable_scene(const std::string& text, const std::string& name) {
+    Scene scene = scene_of_any_law(text, name);
+    if (scene.scheme == Scheme::quasi_static)
+        throw InvalidInput(
+            fmt::format("scene '{}': a plan chooses from errors and costs that were measured in explicit steps only; "
+                        "remove scheme, strain_per_step and max_imbalance from [accuracy]",
+                        name));
+    return scene;
 }
 
 }  // namespace tomodem::plan

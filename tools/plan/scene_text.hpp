@@ -21,7 +21,8 @@ struct SceneChoice {
 std::string with_choice(const std::string& text, const SceneChoice& choice, const std::string& name);
 
 /// The scene as it is or, if its law cannot carry it, as another law would: phases and load are what counts.
-/// @throws InvalidInput what is wrong with the text as it is, if no law can
+/// @throws InvalidInput what is wrong with the text as it is, if no law can; quasi-static steps, of which no error is
+///         known
 Scene readable_scene(const std::string& text, const std::string& name);
 
 }  // namespace tomodem::plan

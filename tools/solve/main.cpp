@@ -91,6 +91,7 @@ void report(const Explanation& found, cli::Tool& tool) {
     tool.report("time_step", found.time_step, "s");
     tool.report("time_step_reason", found.time_step_reason);
     tool.report("steps", found.steps);
+    if (found.evaluations > 0) tool.report("evaluations", found.evaluations);
     tool.report("seconds_per_particle_step", found.seconds_per_particle_step, "s");
     tool.report("predicted_wall_seconds", found.wall_seconds, "s");
     tool.report("predicted_peak_bytes", found.peak_bytes, "B");
@@ -149,6 +150,7 @@ void run(const Request& request, cli::Tool& tool) {
     }
     const RunResult result = solve(std::move(sample), scene, request.run, provenance, MPI_COMM_WORLD, request.control,
                                    tool, before ? &*before : nullptr);
+    const bool quasi_static = scene.scheme == Scheme::quasi_static;
     tool.report("particles", result.particles);
     tool.report("particles_lost", result.particles_lost);
     tool.report("time_step", result.time_step, "s");
@@ -160,9 +162,10 @@ void run(const Request& request, cli::Tool& tool) {
     }
     if (!scene.duration && result.mean_equilibrium_error > large_equilibrium_error)
         tool.note(
-            fmt::format("the forces of the two planes differ by {:.0f} %: inertia or too few particles carry the "
+            fmt::format("the forces of the two planes differ by {:.0f} %: {} or too few particles carry the "
                         "load; take {} or more particles",
-                        100 * result.mean_equilibrium_error, scene.law().traits().less_inertia));
+                        100 * result.mean_equilibrium_error, quasi_static ? "forces without balance" : "inertia",
+                        quasi_static ? "a smaller max_imbalance" : scene.law().traits().less_inertia));
     tool.report("processes", static_cast<std::int64_t>(result.cost.processes));
     tool.report("neighbour_builds", result.cost.neighbour_builds);
     if (result.predicted_wall_seconds > 0) tool.report("predicted_wall_seconds", result.predicted_wall_seconds, "s");

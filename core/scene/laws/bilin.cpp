@@ -136,7 +136,7 @@ class Bilin final : public CrownLaw {
     /// The longest whose inertia keeps within the bound on the equilibrium error, where the scene has one.
     double strain_per_step(const Scene& scene) const override {
         const auto bound = number_of(scene.law_accuracy, error_key);
-        if (!bound) return scene.strain_per_step;
+        if (!bound) return scene.step_strain();
         const double longest = *bound / error_per_rate_and_period;  // rate t0
         double strain_per_step = longest / law::min_steps_per_period;
         for (const Phase& phase : scene.phases) {

@@ -60,7 +60,7 @@ void CrownLaw::read_accuracy(TomlReader& reader, Scene&) const {
 }
 
 double CrownLaw::strain_per_step(const Scene& scene) const {
-    return scene.strain_per_step;
+    return scene.step_strain();
 }
 
 double CrownLaw::max_attraction(const Scene&, const Phase&, double) const {

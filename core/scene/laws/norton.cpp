@@ -35,6 +35,9 @@ constexpr double slow_share = 0.5;
 /// What a period of a relaxation takes of the load's strain: its viscosity needs that long.
 constexpr double strain_of_a_period = 0.003;
 
+/// Strain of a quasi-static step; the planes' way in one over d, where other surfaces meet the particles and anywhere.
+constexpr double quasi_static_strain = 8e-3, contact_way = 0.1, longest_way = 0.35;
+
 struct Limits {
     double inertia, viscous, elastic;  ///< [-], s, s
 };
@@ -60,6 +63,28 @@ Limits limits(const Scene& scene, double height, const law::Norton& law) {
     return found;
 }
 
+/// Particles must not jump over what is not a plane: the planes' way in a step, strain H / 2, is shorter then.
+bool meets_other_surfaces(const Scene& scene) {
+    return !scene.walls.empty() || scene.objects_only_push;
+}
+
+double usual_strain_per_step(const Scene& scene, const Model& model) {
+    double highest = 0;
+    for (const LoadStep& step : scene.steps) highest = std::max(highest, step.strain);
+    const double tallest = std::max(1.0, model.height) * std::exp(highest);
+    return std::min(quasi_static_strain, 2 * (meets_other_surfaces(scene) ? contact_way : longest_way) / tallest);
+}
+
+/// Why the step has the strain that it has.
+std::string reason_of(const Scene& scene, const Model& model) {
+    if (scene.strain_per_step) return " (given)";
+    if (model.strain_per_step == quasi_static_strain) return "";
+    return meets_other_surfaces(scene)
+               ? fmt::format(" (walls, or objects that push each other: the planes move by {:g} seed diameters)",
+                             contact_way)
+               : fmt::format(" (a tall sample: the planes move by {:g} seed diameters)", longest_way);
+}
+
 class NortonLaw final : public Law {
  public:
     NortonLaw()
@@ -68,6 +93,7 @@ class NortonLaw final : public Law {
                .carries_tension = true,
                .planes_pull = true,
                .starts_with_the_flow = true,
+               .quasi_static = true,
                .damping = Damping::law,
                .max_energy_ratio = 1e-3,
                .max_force_balance = 1e-2,
@@ -88,19 +114,26 @@ class NortonLaw final : public Law {
     }
 
     void read_accuracy(TomlReader& reader, Scene& scene) const override {
+        const bool quasi_static = scene.scheme == Scheme::quasi_static;
         reader.refuse(
             "equilibrium_error",
             fmt::format("equilibrium_error is called {} now: how much of the stress may be inertia", inertia_key));
         reader.refuse("max_equilibrium_error", "max_equilibrium_error belongs to law \"bilin\"");
         if (const auto share = reader.optional_positive(inertia_key)) {
+            if (quasi_static)
+                reader.fail(reader.get(inertia_key),
+                            fmt::format("scheme = \"quasi_static\" has no inertia: remove {} (strain_per_step sets the "
+                                        "step, max_imbalance the force balance)",
+                                        inertia_key));
             if (scene.time_step || reader.find("strain_per_step") != nullptr)
                 reader.fail(reader.get(inertia_key),
                             fmt::format("{} chooses the time step: remove time_step and strain_per_step", inertia_key));
             scene.law_accuracy[inertia_key] = *share;
         }
-        if (const toml::node* node = reader.find("strain_per_step"))
-            reader.fail(
-                *node, fmt::format("law \"norton\" chooses the time step by {}; give that, or time_step", inertia_key));
+        if (const toml::node* node = reader.find("strain_per_step"); node != nullptr && !quasi_static)
+            reader.fail(*node, fmt::format("law \"norton\" chooses the time step by {}; give that, or time_step, or "
+                                           "scheme = \"quasi_static\"",
+                                           inertia_key));
         if (const auto rate = reader.optional_positive(reference_key, units::rate))
             scene.law_accuracy[reference_key] = *rate;
     }
@@ -125,7 +158,8 @@ class NortonLaw final : public Law {
 
     /// One mass for every particle: what keeps the inertial share of the stress, n m rate^2 H^2 / 12 over K rate^M at
     /// the highest rate, within its bound for the softest phase. The time step is the longest stable one: a tenth of m
-    /// / (eta d) at half the lowest rate, or a twentieth of the cores' period.
+    /// / (eta d) at half the lowest rate, or a twentieth of the cores' period. Quasi-static steps have no mass and no
+    /// such limit: the masses only make energies that the guards of a run can judge.
     void compile(const Scene& scene, const Packing& sample, Model& model) const override {
         if (!sample.radius.empty())
             throw InvalidInput(fmt::format(
@@ -150,8 +184,15 @@ class NortonLaw final : public Law {
         }
         const Limits found = limits(scene, model.height, law);
         const double longest = std::min(found.viscous, found.elastic);
-        model.time_step = scene.time_step.value_or(longest);
-        if (model.time_step > longest * (1 + 1e-9))
+        model.scheme = scene.scheme;
+        if (model.scheme == Scheme::quasi_static) {
+            model.strain_per_step = scene.strain_per_step.value_or(usual_strain_per_step(scene, model));
+            model.imbalance = scene.max_imbalance;
+            model.time_step = model.strain_per_step / rate;
+        } else {
+            model.time_step = scene.time_step.value_or(longest);
+        }
+        if (model.scheme == Scheme::explicit_steps && model.time_step > longest * (1 + 1e-9))
             throw InvalidInput(
                 fmt::format("scene '{}': time_step {:g} s is longer than law \"norton\" is stable with, "
                             "{:.3g} s here; take a smaller one, or none",
@@ -186,6 +227,11 @@ class NortonLaw final : public Law {
 
     std::string time_step_reason(const Scene& scene, const Model& model) const override {
         if (scene.time_step) return "given in [accuracy]";
+        if (model.scheme == Scheme::quasi_static)
+            return fmt::format(
+                "a strain of {:.3g} in a step{} at the highest rate, whatever the stability: the velocities "
+                "are solved for to a force balance of {:g}",
+                model.strain_per_step, reason_of(scene, model), model.imbalance);
         const Limits found = limits(scene, model.height, norton_of(model));
         const std::string inertia =
             found.inertia < max_inertia
@@ -198,7 +244,7 @@ class NortonLaw final : public Law {
 
     /// NORTON's packings are too loose for N_mag (docs/norton.md).
     void warn(const Scene& scene, const Model& model, Reporter& reporter) const override {
-        if (inertia_share(scene) > large_equilibrium_error)
+        if (model.scheme == Scheme::explicit_steps && inertia_share(scene) > large_equilibrium_error)
             reporter.warn(fmt::format("{} = {:g} lets inertia carry that share of the load: take {:g}, the default",
                                       inertia_key, inertia_share(scene), usual_inertia_share));
         if (model.self_contact)
@@ -207,7 +253,14 @@ class NortonLaw final : public Law {
                 "for surfaces that meet, and the sample tears when it is pulled; take law \"trilin\"");
     }
 
+    /// Quasi-static steps take a whole period each.
+    double relaxation_time_step(const Model& model) const override {
+        if (model.scheme == Scheme::explicit_steps) return model.time_step;
+        return strain_of_a_period / norton_of(model).flow_rate;
+    }
+
     double steps_of_a_relaxation_period(const Model& model) const override {
+        if (model.scheme == Scheme::quasi_static) return 1;
         return strain_of_a_period / (norton_of(model).flow_rate * model.time_step);
     }
 };

@@ -80,6 +80,13 @@ TEST(SceneText, IsReadableWhereAnotherLawCanHoldIt) {
               0.3);
 }
 
+TEST(SceneText, RejectsQuasiStaticStepsUntilTheyAreTakenOut) {
+    const std::string viscous = replaced(std::string(drawn::one_phase), "bilin", "norton");
+    EXPECT_THAT([&] { readable_scene(viscous + "[accuracy]\nscheme = \"quasi_static\"\n", "scene.toml"); },
+                ThrowsMessage<InvalidInput>(HasSubstr("remove scheme, strain_per_step and max_imbalance")));
+    EXPECT_EQ(readable_scene(viscous + "[accuracy]\n", "scene.toml").law().name(), "norton");
+}
+
 TEST(SceneText, TellsWhatIsWrongWithTheUsersOwnText) {
     EXPECT_THAT([] { readable_scene(replaced(commented, "frames", "farmes"), "scene.toml"); },
                 ThrowsMessage<InvalidInput>(HasSubstr("line 9: unknown key 'farmes'")));

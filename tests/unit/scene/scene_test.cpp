@@ -127,6 +127,42 @@ TEST(Scene, ReadsALawThatCarriesTensionWithSelfContactAndHardening) {
     EXPECT_DOUBLE_EQ(scene.phases[0].hardening->factor(1000), 1.5);
 }
 
+std::string viscous(const std::string& accuracy, const std::string& law = "norton", const std::string& load = "",
+                    const std::string& contact = "") {
+    return fmt::format(
+        "[phase.a]\nlabel = 1\nlaw = \"{}\"\nnorton = {{ K = 49.1, M = 0.0714 }}\n{}[load]\n"
+        "steps = [ {{ strain = -0.1, rate = 1e-3 }} ]\n{}[accuracy]\n{}\n",
+        law, contact, load, accuracy);
+}
+
+TEST(Scene, IsQuasiStaticUnderNortonWhereItSaysSo) {
+    const std::string scheme = "scheme = \"quasi_static\"\n";
+    const Scene quasi_static = parse_scene(viscous(scheme + "time_step = \"auto\""), "s");
+    EXPECT_EQ(quasi_static.scheme, Scheme::quasi_static);
+    EXPECT_DOUBLE_EQ(quasi_static.max_imbalance, 1e-2);
+    EXPECT_FALSE(quasi_static.strain_per_step.has_value());
+    const Scene finer = parse_scene(viscous(scheme + "max_imbalance = 1e-3\nstrain_per_step = 4e-3"), "s");
+    EXPECT_DOUBLE_EQ(finer.max_imbalance, 1e-3);
+    EXPECT_DOUBLE_EQ(finer.step_strain(), 4e-3);
+    EXPECT_EQ(parse_scene(viscous(""), "s").scheme, Scheme::explicit_steps);
+    EXPECT_EQ(parse_scene(viscous("scheme = \"explicit\"", "bilin"), "s").scheme, Scheme::explicit_steps);
+
+    expect_refused(viscous(scheme, "bilin"), "8", "law \"bilin\" is solved in explicit steps only");
+    expect_refused(viscous(scheme, "trilin"), "8", "take law = \"norton\"");
+    expect_refused(viscous("scheme = \"implicit\""), "8", "expected \"explicit\" or \"quasi_static\"");
+    expect_refused(viscous(scheme + "inertia_share = 0.02"), "9", "has no inertia: remove inertia_share");
+    expect_refused(viscous(scheme + "time_step = 0.1"), "9", "give strain_per_step instead of time_step");
+    expect_refused(viscous(scheme + "strain_per_step = 0.06"), "9", "takes at most 0.05");
+    expect_refused(viscous(scheme + "max_imbalance = 0.2"), "9", "at most 0.1");
+    expect_refused(viscous(scheme + "averaging_strain = 0.01"), "9", "remove averaging_strain");
+    expect_refused(viscous("max_imbalance = 1e-3"), "8", "goes with scheme = \"quasi_static\"");
+    expect_refused(viscous("max_imbalance = 1e-3", "bilin"), "8", "goes with scheme = \"quasi_static\"");
+    expect_refused(viscous("strain_per_step = 1e-3"), "8", "or scheme = \"quasi_static\"");
+    expect_refused(viscous(scheme, "norton", "initiation = { strain = 0.01 }\n"), "5", "smooths a transient");
+    expect_refused(viscous(scheme, "norton", "", "[contact]\nself_contact = true\nhealing_time = 5\n"), "11",
+                   "counts explicit time steps");
+}
+
 TEST(Scene, SaysTheNewNameOfAKeyThatWasRenamed) {
     const auto text = [](const char* law, const char* key) {
         return fmt::format(

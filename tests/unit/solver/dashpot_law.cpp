@@ -35,7 +35,7 @@ class DashpotLaw final : public Law {
 
     void compile(const Scene& scene, const Packing&, Model& model) const override {
         const auto constants = std::make_shared<DashpotModel>();
-        model.time_step = scene.time_step.value_or(scene.strain_per_step / scene.highest_rate());
+        model.time_step = scene.time_step.value_or(scene.step_strain() / scene.highest_rate());
         for (PhaseModel& phase : model.phases) {
             const LawNumbers& given = scene.phase(phase.label).law_numbers;
             const double stiffness = given.at("repulsive_stiffness"), period = given.at("natural_period");

@@ -40,7 +40,7 @@ std::vector<Vec3> velocities_after_ramp(const std::string& initiation, int axis)
     model.phases = {{1, {1.0, 1.5, 6.23e9, 6.23e8}, 0.1, 1.578e6, 0.0}};
     Simulation simulation(loose_lattice(), model, axis, MPI_COMM_WORLD);
     simulation.place_planes();
-    const auto path = load_path(scene, model.time_step);
+    const auto path = load_path(scene, model);
     simulation.set_loading(path[0]);
     simulation.run(path[0].steps);
     const auto before = simulation.positions();

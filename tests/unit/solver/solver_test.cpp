@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/packing/packing_file.hpp"
+#include "solver_plugin/run/guards.hpp"
 #include "solver_plugin/simulation/simulation.hpp"
 #include "tests/unit/temporary_folder.hpp"
 #include "tools/packgen/compaction.hpp"
@@ -241,6 +242,91 @@ TEST(CompileModel, KeepsTheInertiaBelowTheEquilibriumErrorAskedFor) {
     }
     EXPECT_THAT([&] { compiled("repulsive_stiffness = 1e9\nnatural_period = 5", 1e-3); },
                 ThrowsMessage<InvalidInput>(HasSubstr("give a shorter one")));
+}
+
+/// Two particles at that height [seed diameters].
+Packing column(double height) {
+    Packing sample;
+    sample.seed_radius = 0.25;
+    sample.box.edges = Vec3(1, 1, 0.5 * (height + 1));
+    sample.position = {Vec3(0.5, 0.5, 0.25), Vec3(0.5, 0.5, 0.25 + 0.5 * height)};
+    sample.species = {1, 1};
+    sample.object = {1, 1};
+    sample.id = {1, 2};
+    return sample;
+}
+
+Scene quasi_static(const std::string& load, const std::string& accuracy = "", const std::string& rest = "") {
+    return parse_scene("[phase.a]\nlabel = 1\nlaw = \"norton\"\nnorton = { K = 100, M = 0.3 }\n" + rest + "[load]\n" +
+                           load + "\n[accuracy]\nscheme = \"quasi_static\"\n" + accuracy,
+                       "test");
+}
+
+const std::string tool = "[[wall]]\nname = \"tool\"\nsurface = \"t.stl\"\n";
+
+TEST(CompileModel, OfQuasiStaticStepsGoesByTheStrainAndKeepsTheMasses) {
+    const std::string load = "steps = [ { strain = -0.1, rate = 1e-3 }, { strain = -0.3, rate = 1e-2 } ]";
+    const Model model = compile_model(quasi_static(load), column(20));
+    EXPECT_EQ(model.scheme, Scheme::quasi_static);
+    EXPECT_DOUBLE_EQ(model.strain_per_step, 8e-3);
+    EXPECT_DOUBLE_EQ(model.time_step, 0.8) << "at the highest rate";
+    EXPECT_DOUBLE_EQ(model.imbalance, 1e-2);
+    EXPECT_EQ(relaxation_steps(model, 20), 20);
+    EXPECT_DOUBLE_EQ(model.law->relaxation_time_step(model), 0.3) << "a strain of 0.003";
+    EXPECT_GT(evaluations_per_step(model), 1);
+    Scene explicit_steps = quasi_static(load);
+    explicit_steps.scheme = Scheme::explicit_steps;
+    const Model other = compile_model(explicit_steps, column(20));
+    EXPECT_EQ(model.phases[0].mass, other.phases[0].mass);
+    EXPECT_EQ(evaluations_per_step(other), 1);
+    EXPECT_LT(other.time_step, 1e-2 * model.time_step);
+    EXPECT_EQ(other.law->relaxation_time_step(other), other.time_step);
+
+    const Model given = compile_model(quasi_static(load, "strain_per_step = 2e-3\nmax_imbalance = 1e-3\n"), column(20));
+    EXPECT_DOUBLE_EQ(given.strain_per_step, 2e-3);
+    EXPECT_DOUBLE_EQ(given.imbalance, 1e-3);
+    EXPECT_THAT(
+        given.law->time_step_reason(quasi_static(load, "strain_per_step = 2e-3\nmax_imbalance = 1e-3\n"), given),
+        testing::AllOf(HasSubstr("0.002 in a step (given)"), HasSubstr("force balance of 0.001")));
+}
+
+TEST(CompileModel, OfQuasiStaticStepsLimitsTheWayOfThePlanes) {
+    const std::string load = "steps = [ { strain = -0.1, rate = 1e-3 } ]";
+    const auto way = [](const Scene& scene, double height) {
+        const Model model = compile_model(scene, column(height));
+        double highest = 0;
+        for (const LoadStep& step : scene.steps) highest = std::max(highest, step.strain);
+        return model.strain_per_step * height * std::exp(highest) / 2;
+    };
+    EXPECT_NEAR(way(quasi_static(load), 200), 0.35, 1e-9);
+    EXPECT_NEAR(way(quasi_static("steps = [ { strain = 1, rate = 1e-3 } ]"), 200), 0.35, 1e-9);
+    EXPECT_NEAR(way(quasi_static(load, "", tool), 50), 0.1, 1e-9);
+    EXPECT_NEAR(way(quasi_static(load, "", "[contact]\nobjects_only_push = true\n"), 50), 0.1, 1e-9);
+    EXPECT_NEAR(way(quasi_static(load, "", tool), 10), 8e-3 * 10 / 2, 1e-9);
+}
+
+TEST(Guards, RefuseAQuasiStaticStepInWhichPlanesOrWallsJumpOverParticles) {
+    const std::string load = "steps = [ { strain = -0.1, rate = 1e-3 }, { strain = -0.3, rate = 1 } ]";
+    const auto check = [](const Scene& scene, double height) {
+        Warnings reporter;
+        const Packing sample = column(height);
+        check_plane_speed(scene, compile_model(scene, sample), sample, reporter);
+        return reporter.text;
+    };
+    EXPECT_EQ(check(quasi_static(load), 200), "") << "the default is good";
+    EXPECT_EQ(check(quasi_static(load, "strain_per_step = 0.0074\n"), 100), "");
+    EXPECT_THAT([&] { check(quasi_static(load, "strain_per_step = 0.0076\n"), 100); },
+                ThrowsMessage<InvalidInput>(HasSubstr(
+                    "the planes move by 0.51 crown radii in one step, at most 0.5; take a smaller strain_per_step")));
+    // 8 s a step, then 8 ms; the crown radius of the sample is 0.375 mm, of which the wall may go half.
+    const auto moving = [&](const std::string& velocity, const std::string& times = "") {
+        return quasi_static(load, "strain_per_step = 8e-3\n", tool + "velocity = [0, 0, " + velocity + "]\n" + times);
+    };
+    EXPECT_EQ(check(moving("0.023"), 20), "");
+    EXPECT_THAT([&] { check(moving("0.025"), 20); },
+                ThrowsMessage<InvalidInput>(HasSubstr("[[wall]] 'tool' moves by 0.51 crown radii in one step")));
+    EXPECT_EQ(check(moving("20", "start = 100.001\n"), 20), "") << "it moves in short steps only";
+    EXPECT_THAT([&] { check(moving("20", "start = 99\n"), 20); }, ThrowsMessage<InvalidInput>(HasSubstr("'tool'")));
 }
 
 TEST(CompileModel, GivesTrilinItsCalibratedConstants) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <optional>
 
 #include "core/base/error.hpp"
 #include "core/law/pair.hpp"
@@ -104,6 +105,54 @@ TEST(Wall, MovesBetweenItsStartAndItsStop) {
         const double force = simulation.take_wall_forces()[0].z();
         EXPECT_NEAR(force, 6.23e9 * overlap, 0.05 * 6.23e9 * 1e-3 * model.time_step) << step;
     }
+}
+
+class LoadTime : public testing::TestWithParam<Scheme> {};
+
+INSTANTIATE_TEST_SUITE_P(BothSchemes, LoadTime, testing::Values(Scheme::explicit_steps, Scheme::quasi_static));
+
+TEST_P(LoadTime, OfSegmentsWithTimeStepsOfTheirOwnMovesWallsAndHardens) {
+    // Steps of 5e-4 s, then of a thousandth of that; the wall moves from 2.5 steps of the first to 4 of the second
+    // kind.
+    Model model = one_phase();
+    model.scheme = GetParam();
+    const bool quasi_static = GetParam() == Scheme::quasi_static;
+    const double slow = model.time_step, fast = 1e-3 * slow, speed = 1e-3, stiffness = 6.23e9;
+    model.phases[0].natural_period = 1e3;  // so heavy that it stays where it is
+    model.phases[0].hardening = Hardening{.table = {{0, 1}, {10 * slow, 2}}};
+    std::optional<Simulation> simulation(std::in_place, over(Vec3(4.7, 4.2, 0), 0.5), model, 2, MPI_COMM_WORLD);
+    Wall wall;
+    wall.velocity = {0, 0, speed};
+    wall.start = 2.5 * slow;
+    wall.stop = 6 * slow + 4 * fast;
+    simulation->place_wall(plate(10, 0, 10, 0), wall);
+    double time = 0;
+    const auto expect_force = [&](Simulation& one, double time_step) {
+        one.run(1);
+        const double way = speed * std::max(0.0, std::min(time + time_step, wall.stop) - wall.start);
+        const double strength = model.phases[0].hardening->factor(quasi_static ? time + time_step : time);
+        EXPECT_NEAR(one.take_wall_forces()[0].z(), strength * stiffness * way,
+                    1e-3 * stiffness * speed * slow + 1e-12 * stiffness)
+            << time;
+        time += time_step;
+    };
+    simulation->set_loading({.steps = 6, .time_step = slow});
+    for (int step = 0; step < 6; ++step) expect_force(*simulation, slow);
+    EXPECT_NEAR(time, 6 * slow, 1e-15);
+    simulation->set_loading({.steps = 1000, .time_step = fast});
+    for (int step = 0; step < 3; ++step) expect_force(*simulation, fast);
+
+    // A simulation that resumes goes by the same clock.
+    FoundCheckpoint found;
+    simulation->rest();
+    simulation->save(found.checkpoint);
+    simulation.reset();  // LIGGGHTS bears one at a time
+    Simulation resumed(over(Vec3(4.7, 4.2, 0), 0.5), model, 2, MPI_COMM_WORLD);
+    resumed.restore(found);
+    resumed.place_wall(plate(10, 0, 10, 0), wall);
+    resumed.continue_loading({.steps = 1000, .time_step = fast}, 6);
+    for (int step = 0; step < 3; ++step) expect_force(resumed, fast);
+    EXPECT_NEAR(time, 6 * slow + 6 * fast, 1e-15);
 }
 
 TEST(Wall, GivesItsForceInTheAxesAndLengthsOfTheSample) {
