@@ -24,7 +24,7 @@ constexpr int most_halvings = 6;
 /// Shortest part of a step: below it the run stops.
 constexpr double shortest_part = 1e-6;
 /// Way of a particle in a step while the sample comes to rest, over its diameter.
-constexpr double way_at_rest = 0.1;
+constexpr double way_at_rest = 0.05;
 /// Cell of the coarse grid, in diameters.
 constexpr double cell = 4;
 /// Velocity against a wall, over diameter and rate of the load, that the film cannot have: it was not there before.
@@ -246,6 +246,7 @@ bool NortonFlow::balance() {
         prepared = true;
         const double wanted = load_norm_ > 0 ? 0.5 * imbalance_ * load_norm_ / net_norm_ : 0;
         find_motion(std::clamp(wanted, tightest, loosest));
+        rigid_.remove(motion_, surroundings());
         from.assign(found_.begin(), found_.begin() + local_count_);
         const double before = net_norm_;
         double length = 1;
@@ -298,6 +299,7 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
             wall_strength_[k] = law().materials[particles.type[walls_[k].particle] - 1].strength;
         take(particles);
         follow_walls(particles, step.set_up);
+        rigid_.find(particles.position, local_count_, walls_, surroundings());
         if (balance()) break;
     }
     remember_slips(particles);

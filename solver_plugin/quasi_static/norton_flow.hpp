@@ -7,6 +7,7 @@
 #include "solver_plugin/pairs/pair_kernel.hpp"
 #include "solver_plugin/quasi_static/coarse_grid.hpp"
 #include "solver_plugin/quasi_static/flow_forces.hpp"
+#include "solver_plugin/quasi_static/rigid_motion.hpp"
 
 namespace tomodem::plugin {
 
@@ -62,6 +63,7 @@ class NortonFlow final : public PairKernel {
 
     FlowForces forces_;
     CoarseGrid grid_;
+    RigidMotion rigid_;
     double imbalance_ = 1e-2;
     double interval_ = 0;  ///< that the forces are solved for [s]
     double good_for_ = 0;  ///< that the particles may move with the velocities [s]

@@ -197,7 +197,8 @@ class NortonLaw final : public Law {
                 fmt::format("scene '{}': time_step {:g} s is longer than law \"norton\" is stable with, "
                             "{:.3g} s here; take a smaller one, or none",
                             scene.path.string(), model.time_step, longest));
-        const double mass = found.inertia * softest * d / (rate * rate);
+        const double inertia = model.scheme == Scheme::quasi_static ? max_inertia : found.inertia;
+        const double mass = inertia * softest * d / (rate * rate);
         for (std::size_t k = 0; k < model.phases.size(); ++k) {
             PhaseModel& phase = model.phases[k];
             const double stiffness = C::core_stiffness * law.materials[k].strength * d;
