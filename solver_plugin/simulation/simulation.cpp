@@ -206,7 +206,10 @@ void Simulation::set_loading(const LoadSegment& segment) {
     }
     continue_loading(segment, step());
     // A viscous sample is stiffer than its inertia is patient: it is given the flow that the planes begin.
-    if (s.model.law->traits().starts_with_the_flow && s.planes != nullptr && !segment.affine)
+    // One whose velocities are found is given a guess of them: those of before, faster or slower or backwards.
+    if (s.quasi_static() && s.planes != nullptr && rate_before != 0)
+        s.scale_velocities(segment.rate_at(0) / rate_before);
+    else if (s.model.law->traits().starts_with_the_flow && s.planes != nullptr && !segment.affine)
         s.carry_along(segment.rate_at(0) - rate_before);
     if (s.planes != nullptr && segment.noise > 0) s.shake(segment.noise * 2 * s.model.seed_radius);
 }

@@ -111,6 +111,12 @@ void Simulation::State::carry_along(double rate) {
         for (int c = 0; c < 3; ++c) atoms.v[i][c] += slope[c] * (atoms.x[i][c] - planes->motion().centre[c]);
 }
 
+void Simulation::State::scale_velocities(double factor) {
+    const LAMMPS_NS::Atom& atoms = atom();
+    for (int i = 0; i < atoms.nlocal; ++i)
+        for (int c = 0; c < 3; ++c) atoms.v[i][c] *= factor;
+}
+
 void Simulation::State::shake(double deviation) {
     const LAMMPS_NS::Atom& atoms = atom();
     for (int i = 0; i < atoms.nlocal; ++i) {

@@ -110,6 +110,8 @@ struct Simulation::State {
     /// Adds the velocities of a uniaxial flow about the planes' centre that keeps the volume.
     void carry_along(double rate);
 
+    void scale_velocities(double factor);
+
     /// Adds a random velocity of that standard deviation to every component; it depends on the particle alone.
     void shake(double deviation);
 

@@ -134,6 +134,29 @@ TEST(Norton, StepsAreThoseOfOneProcess) {
     EXPECT_LT(difference, 1e-9);
 }
 
+TEST(Norton, TheVelocitiesToBeFoundAreGuessedFromThoseOfTheRateBefore) {
+    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+    const Packing packing = sample();
+    Model model = model_of(packing);
+    model.scheme = Scheme::quasi_static;
+    model.strain_per_step = 8e-3;
+    model.imbalance = 1e-2;
+    Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
+    simulation.place_planes();
+    simulation.set_loading({.rate = {-1e-3}, .time_step = 8});
+    plugin::SimulationProbe(simulation).forces_at(stirred(packing));  // not the uniform flow
+    const std::vector<double> slow = simulation.velocity_rows().values;
+    simulation.set_loading({.rate = {1}, .time_step = 8e-3});
+    const std::vector<double> fast = simulation.velocity_rows().values;
+    ASSERT_EQ(slow.size(), fast.size());
+    double largest = 0;
+    for (std::size_t k = 0; k < slow.size(); ++k) {
+        largest = std::max(largest, std::abs(slow[k]));
+        EXPECT_NEAR(fast[k], -1000 * slow[k], 1e-9 * std::abs(fast[k]));
+    }
+    EXPECT_GT(largest, 1e-4) << "there was no flow to begin with";
+}
+
 TEST(Norton, ASampleBeginsWithTheFlowAndIsRefusedWhenItHeats) {
     if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     const Packing packing = sample();
