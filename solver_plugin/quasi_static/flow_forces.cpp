@@ -29,26 +29,6 @@ TOMODEM_INLINE Four with_fourth(Four vector, float fourth) {
 
 }  // namespace
 
-void FlowForces::place(const ParticleView& particles) {
-    local_count_ = particles.local_count;
-    count_ = particles.count;
-    pairs_.find(particles, C::crown * law_.seed_diameter);
-    type_.resize(static_cast<std::size_t>(local_count_));
-    for (int i = 0; i < local_count_; ++i) type_[i] = static_cast<std::uint8_t>(particles.type[i] - 1);
-    const auto count = static_cast<std::size_t>(count_);
-    fabrics_.resize(count);
-    states_.resize(count);
-    net_.resize(count);
-    damping_.resize(pairs_.size());
-    pushes_.resize(pairs_.pushing().size());
-    clear_sums();
-    sum_fabric();
-    find_fabric(particles);
-    carry_(&fabrics_[0].inverse[0][0], sizeof(Fabric) / sizeof(float), sizeof(Fabric) / sizeof(float));
-    clear_sums();
-    find_cores();
-}
-
 void FlowForces::clear_sums() {
     sums_.assign(static_cast<std::size_t>(count_), Sums{});
 }
@@ -351,11 +331,31 @@ void FlowForces::add_pushes(const Four* velocity, bool whole) {
     }
 }
 
+void FlowForces::place(const ParticleView& particles) {
+    local_count_ = particles.local_count;
+    count_ = particles.count;
+    pairs_.find(particles, C::crown * law_.seed_diameter);
+    type_.resize(static_cast<std::size_t>(local_count_));
+    for (int i = 0; i < local_count_; ++i) type_[i] = static_cast<std::uint8_t>(particles.type[i] - 1);
+    const auto count = static_cast<std::size_t>(count_);
+    fabrics_.resize(count);
+    states_.resize(count);
+    net_.resize(count);
+    damping_.resize(pairs_.size());
+    pushes_.resize(pairs_.pushing().size());
+    clear_sums();
+    sum_fabric();
+    find_fabric(particles);
+    carry_(fabrics_.data(), sizeof(Fabric), sizeof(Fabric));
+    clear_sums();
+    find_cores();
+}
+
 void FlowForces::find(const Four* velocity) {
     add_moments(velocity);
     find_states(true);
     clear_sums();
-    carry_(&states_[0].traction[0][0], sizeof(State) / sizeof(float), sizeof(State) / sizeof(float));
+    carry_(states_.data(), sizeof(State), sizeof(State));
     net_.assign(static_cast<std::size_t>(count_), Four{});
     add_forces(velocity);
     add_cores(velocity, true);
@@ -363,29 +363,15 @@ void FlowForces::find(const Four* velocity) {
 }
 
 void FlowForces::product(Four* direction) {
-    carry_(&direction[0][0], sizeof(Four) / sizeof(float), 3);
+    carry_(direction, sizeof(Four), 3 * sizeof(float));
     add_moments(direction);
     find_states(false);
     clear_sums();
-    carry_(&states_[0].traction[0][0], sizeof(State) / sizeof(float), sizeof(State) / sizeof(float));
+    carry_(states_.data(), sizeof(State), sizeof(State));
     net_.assign(static_cast<std::size_t>(count_), Four{});
     add_changes(direction);
     add_cores(direction, false);
     add_pushes(direction, false);
-}
-
-void FlowForces::prepare_blocks(std::vector<Block>& blocks) {
-    carry_(&fabrics_[0].inverse[0][0], sizeof(Fabric) / sizeof(float), sizeof(Fabric) / sizeof(float));
-    blocks.assign(static_cast<std::size_t>(count_), Block{});
-    add_block_parts(blocks);
-    for (const Core& core : cores_) {
-        const Four apart = pairs_.apart()[core.pair], direction = apart / apart[3];
-        const float stiffness = interval_ * core.stiffness;
-        for (const std::int32_t i : {pairs_.rows()[core.row].particle, pairs_.other()[core.pair]}) {
-            blocks[i].diagonal += stiffness * direction * direction;
-            blocks[i].off += stiffness * direction * turned(direction);
-        }
-    }
 }
 
 TOMODEM_TWO_PROCESSORS void FlowForces::add_block_parts(std::vector<Block>& blocks) const {
@@ -441,6 +427,20 @@ TOMODEM_TWO_PROCESSORS void FlowForces::add_block_parts(std::vector<Block>& bloc
         through_pressure(fabrics_[i], own[i].crowding, blocks[i]);
         // A particle that nothing touches keeps its velocity.
         blocks[i].diagonal += four(1e-6F * static_cast<float>(d) * fabrics_[i].inverse[1][3]);
+    }
+}
+
+void FlowForces::prepare_blocks(std::vector<Block>& blocks) {
+    carry_(fabrics_.data(), sizeof(Fabric), sizeof(Fabric));
+    blocks.assign(static_cast<std::size_t>(count_), Block{});
+    add_block_parts(blocks);
+    for (const Core& core : cores_) {
+        const Four apart = pairs_.apart()[core.pair], direction = apart / apart[3];
+        const float stiffness = interval_ * core.stiffness;
+        for (const std::int32_t i : {pairs_.rows()[core.row].particle, pairs_.other()[core.pair]}) {
+            blocks[i].diagonal += stiffness * direction * direction;
+            blocks[i].off += stiffness * direction * turned(direction);
+        }
     }
 }
 

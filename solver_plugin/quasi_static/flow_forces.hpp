@@ -20,8 +20,8 @@ namespace tomodem::plugin {
 /// Vectors have a Four for every particle; ghosts follow those of this process.
 class FlowForces {
  public:
-    /// Brings `floats` numbers of each ghost from its owner; particle i has them at first + i * stride. Collective.
-    using Carry = std::function<void(float* first, int stride, int floats)>;
+    /// Brings each ghost `size` bytes from its owner; particle i has them at first + i * stride bytes. Collective.
+    using Carry = std::function<void(void* first, std::size_t stride, std::size_t size)>;
 
     void set_law(const law::Norton& law) { law_ = law; }
     const law::Norton& law() const { return law_; }

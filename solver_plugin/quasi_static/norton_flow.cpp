@@ -63,7 +63,7 @@ std::int64_t key(std::int32_t id, int wall) {
 }  // namespace
 
 NortonFlow::NortonFlow() {
-    forces_.set_carry([this](float* first, int stride, int floats) { carry(first, stride, floats); });
+    forces_.set_carry([this](void* first, std::size_t stride, std::size_t size) { carry(first, stride, size); });
 }
 
 void NortonFlow::set_law(const law::Norton& law, double imbalance) {
@@ -71,19 +71,19 @@ void NortonFlow::set_law(const law::Norton& law, double imbalance) {
     imbalance_ = imbalance;
 }
 
-void NortonFlow::carry(float* first, int stride, int floats) {
-    carried_ = first;
+void NortonFlow::carry(void* first, std::size_t stride, std::size_t size) {
+    carried_ = static_cast<char*>(first);
     stride_ = stride;
-    carried_floats_ = floats;
+    carried_size_ = size;
     exchange();
 }
 
 void NortonFlow::pack(int i, double* numbers) const {
-    std::memcpy(numbers, carried_ + static_cast<std::ptrdiff_t>(i) * stride_, carried_floats_ * sizeof(float));
+    std::memcpy(numbers, carried_ + static_cast<std::size_t>(i) * stride_, carried_size_);
 }
 
 void NortonFlow::unpack(int i, const double* numbers) {
-    std::memcpy(carried_ + static_cast<std::ptrdiff_t>(i) * stride_, numbers, carried_floats_ * sizeof(float));
+    std::memcpy(carried_ + static_cast<std::size_t>(i) * stride_, numbers, carried_size_);
 }
 
 double NortonFlow::film(std::size_t wall) const {
@@ -143,7 +143,7 @@ void NortonFlow::find_forces() {
     for (int i = 0; i < local_count_; ++i)
         velocity_[i] = Four{static_cast<float>(found_[i][0]), static_cast<float>(found_[i][1]),
                             static_cast<float>(found_[i][2]), 0};
-    carry(&velocity_[0][0], sizeof(Four) / sizeof(float), 3);
+    carry(velocity_.data(), sizeof(Four), 3 * sizeof(float));
     for (int i = local_count_; i < count_; ++i) velocity_[i] += jump_[i - local_count_];
     forces_.find(velocity_.data());
     ++work_.forces;
@@ -278,7 +278,7 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
     take(particles);
     for (int i = 0; i < local_count_; ++i)
         for (int c = 0; c < 3; ++c) velocity_[i][c] = static_cast<float>(found_[i][c]);
-    carry(&velocity_[0][0], sizeof(Four) / sizeof(float), 3);
+    carry(velocity_.data(), sizeof(Four), 3 * sizeof(float));
     for (int i = local_count_; i < count_; ++i)
         for (int c = 0; c < 3; ++c)
             jump_[i - local_count_][c] = static_cast<float>(particles.velocity[3 * i + c]) - velocity_[i][c];

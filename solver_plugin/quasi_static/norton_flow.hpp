@@ -41,7 +41,7 @@ class NortonFlow final : public PairKernel {
     double wall_force(const WallContact& contact) const override;
     double seed_energy(const ParticleView& particles, const NeighbourView& list) const override;
     int exchanged() const override { return 12; }
-    int carried() const override { return (carried_floats_ + 1) / 2; }
+    int carried() const override { return static_cast<int>((carried_size_ + sizeof(double) - 1) / sizeof(double)); }
     void pack(int i, double* numbers) const override;
     void unpack(int i, const double* numbers) override;
 
@@ -59,7 +59,7 @@ class NortonFlow final : public PairKernel {
     void add_walls(const Four* motion, bool whole, Four* force) const;
     double film(std::size_t wall) const;
     double stiffness(std::size_t wall) const;
-    void carry(float* first, int stride, int floats);
+    void carry(void* first, std::size_t stride, std::size_t size);
 
     FlowForces forces_;
     CoarseGrid grid_;
@@ -82,8 +82,8 @@ class NortonFlow final : public PairKernel {
     std::vector<FlowForces::Block> blocks_;               ///< inverses
     std::vector<double> nodes_;
 
-    float* carried_ = nullptr;
-    int stride_ = 0, carried_floats_ = 0;
+    char* carried_ = nullptr;
+    std::size_t stride_ = 0, carried_size_ = 0;
 };
 
 }  // namespace tomodem::plugin

@@ -111,7 +111,7 @@ class FlowForcesTest : public testing::TestWithParam<bool> {
     FlowForces forces() const {
         FlowForces forces;
         forces.set_law(norton());
-        forces.set_carry([](float*, int, int) {});
+        forces.set_carry([](void*, std::size_t, std::size_t) {});
         return forces;
     }
 };
@@ -193,7 +193,7 @@ TEST_P(FlowForcesBlocks, AreTheAnswerOfAParticleToItsOwnVelocity) {
     FlowForces forces;
     law::Norton law = norton();
     forces.set_law(law);
-    forces.set_carry([](float*, int, int) {});
+    forces.set_carry([](void*, std::size_t, std::size_t) {});
     forces.place(cloud.view());
     forces.set_interval(GetParam() / rate);
     forces.find(cloud.fours().data());
