@@ -22,12 +22,21 @@ struct Geometry {
 /// {x, y, z, -fourth} of the other particle of a pair: what is opposite, and what is the same.
 constexpr Four opposite{-1, -1, -1, 1};
 
+/// Of the corner of a push, over strength d^2: a pair that begins to push would have the solver step to and fro.
+constexpr float push_rounding = 0.01F;
+
 /// In the fourth place.
 TOMODEM_INLINE Four with_fourth(Four vector, float fourth) {
     return Four{vector[0], vector[1], vector[2], fourth};
 }
 
 }  // namespace
+
+float FlowForces::Push::at(float straight) {
+    const float root = std::sqrt(straight * straight + rounding * rounding);
+    share = 0.5F * (1 + straight / root);
+    return 0.5F * (straight + root);
+}
 
 void FlowForces::clear_sums() {
     sums_.assign(static_cast<std::size_t>(count_), Sums{});
@@ -144,16 +153,6 @@ TOMODEM_TWO_PROCESSORS void FlowForces::add_moments(const Four* velocity) {
         mine.moment[1] += y;
         mine.moment[2] += z;
         mine.outward += outward;
-    }
-    for (const FlowPairs::Pushing& one : pairs_.pushing()) {
-        const Geometry pair(one.apart, over_reach);
-        const Four speed = velocity[one.particle] - velocity[one.other];
-        const float separation = sum_of_three(speed * pair.direction);
-        const float crowding = -2 * pair.closeness * over_reach * separation;
-        const float turning = pair.closeness * pair.closeness * pair.over_distance;
-        const Four tilt = with_fourth(pair.direction * (crowding - turning * separation) + speed * turning, crowding);
-        all[one.particle].outward += tilt;
-        all[one.other].outward += opposite * tilt;
     }
 }
 
@@ -302,29 +301,37 @@ void FlowForces::add_cores(const Four* velocity, bool whole) {
     }
 }
 
-/// Repulsion of two objects: core and pressure, where they push.
-Four FlowForces::push(const FlowPairs::Pushing& one, const Four* velocity, bool whole) const {
-    const auto reach = static_cast<float>(C::crown * law_.seed_diameter);
-    const Geometry pair(one.apart, 1 / reach);
-    const float overlap = static_cast<float>(C::core * law_.seed_diameter) - pair.distance;
-    const State &own = states_[one.particle], &theirs = states_[one.other];
-    float size = 2 * pair.closeness * (own.traction[0][3] + theirs.traction[0][3]);
-    if (overlap > 0) {
-        const float strengths = fabrics_[one.particle].inverse[2][3] + fabrics_[one.other].inverse[2][3];
-        const float separation = sum_of_three((velocity[one.particle] - velocity[one.other]) * pair.direction);
-        size += static_cast<float>(0.5 * C::core_stiffness * law_.seed_diameter) * strengths *
-                ((whole ? overlap : 0) - interval_ * separation);
+/// Two objects push by core and pressure. How the force grows is taken from the pair alone: with what their neighbours
+/// change, the forces would have no energy, and the system no symmetry.
+void FlowForces::find_pushes() {
+    const double d = law_.seed_diameter;
+    const auto reach = static_cast<float>(C::crown * d), core = static_cast<float>(C::core * d);
+    const auto half_core = static_cast<float>(0.5 * C::core_stiffness * d);
+    const auto pressure = static_cast<float>(C::pressure * d * d / C::rest_density);
+    for (std::size_t k = 0; k < pushes_.size(); ++k) {
+        const FlowPairs::Pushing& one = pairs_.pushing()[k];
+        const Geometry pair(one.apart, 1 / reach);
+        const Fabric &own = fabrics_[one.particle], &theirs = fabrics_[one.other];
+        const float strengths = own.inverse[2][3] + theirs.inverse[2][3], overlap = core - pair.distance;
+        pushes_[k] = {2 * pair.closeness * (own.inverse[0][3] + theirs.inverse[0][3]),
+                      4 * pair.closeness * pair.closeness / reach * pressure * strengths,
+                      push_rounding * strengths * static_cast<float>(d * d), 0};
+        if (overlap > 0) {
+            pushes_[k].force += half_core * strengths * overlap;
+            pushes_[k].stiffness += half_core * strengths;
+        }
     }
-    return with_fourth(size * pair.direction, 0);
 }
 
+/// @param whole  the force; else its change, with the shares of the last force
 void FlowForces::add_pushes(const Four* velocity, bool whole) {
-    for (std::size_t k = 0; k < pairs_.pushing().size(); ++k) {
+    for (std::size_t k = 0; k < pushes_.size(); ++k) {
         const FlowPairs::Pushing& one = pairs_.pushing()[k];
-        const Four force = push(one, velocity, whole);
-        // Whether a pair pushes is settled by the forces; a direction is followed with the same pairs.
-        if (whole) pushes_[k] = sum_of_three(force * one.apart) > 0 ? 1 : 0;
-        if (pushes_[k] == 0) continue;
+        Push& push = pushes_[k];
+        const Four direction = one.apart / one.apart[3];
+        const float separation = sum_of_three((velocity[one.particle] - velocity[one.other]) * direction);
+        const float change = -interval_ * push.stiffness * separation;
+        const Four force = with_fourth((whole ? push.at(push.force + change) : push.share * change) * direction, 0);
         net_[one.particle] += force;
         net_[one.other] -= force;
         if (whole) virial_ += (one.other < local_count_ ? 1.0F : 0.5F) * force * one.apart;
@@ -349,6 +356,7 @@ void FlowForces::place(const ParticleView& particles) {
     carry_(fabrics_.data(), sizeof(Fabric), sizeof(Fabric));
     clear_sums();
     find_cores();
+    find_pushes();
 }
 
 void FlowForces::find(const Four* velocity) {
@@ -442,6 +450,15 @@ void FlowForces::prepare_blocks(std::vector<Block>& blocks) {
             blocks[i].off += stiffness * direction * turned(direction);
         }
     }
+    for (std::size_t k = 0; k < pushes_.size(); ++k) {
+        const FlowPairs::Pushing& one = pairs_.pushing()[k];
+        const Four direction = one.apart / one.apart[3];
+        const float stiffness = interval_ * pushes_[k].share * pushes_[k].stiffness;
+        for (const std::int32_t i : {one.particle, one.other}) {
+            blocks[i].diagonal += stiffness * direction * direction;
+            blocks[i].off += stiffness * direction * turned(direction);
+        }
+    }
 }
 
 void FlowForces::for_each_force(const Four* velocity, const PairKernel::UsePair& use) const {
@@ -467,10 +484,14 @@ void FlowForces::for_each_force(const Four* velocity, const PairKernel::UsePair&
             report(i, j, force, pair.apart);
         }
     }
-    for (std::size_t k = 0; k < pairs_.pushing().size(); ++k)
-        if (pushes_[k] != 0)
-            report(pairs_.pushing()[k].particle, pairs_.pushing()[k].other, push(pairs_.pushing()[k], velocity, true),
-                   pairs_.pushing()[k].apart);
+    for (std::size_t k = 0; k < pushes_.size(); ++k) {
+        const FlowPairs::Pushing& one = pairs_.pushing()[k];
+        const Four direction = one.apart / one.apart[3];
+        const float separation = sum_of_three((velocity[one.particle] - velocity[one.other]) * direction);
+        Push push = pushes_[k];
+        report(one.particle, one.other, push.at(push.force - interval_ * push.stiffness * separation) * direction,
+               one.apart);
+    }
 }
 
 double FlowForces::core_energy() const {

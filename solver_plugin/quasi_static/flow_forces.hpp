@@ -87,13 +87,23 @@ class FlowForces {
     void sum_fabric();
     void find_fabric(const ParticleView& particles);
     void find_cores();
+    void find_pushes();
+    /// Of a pair of two objects.
+    struct Push {
+        float force, stiffness;  ///< now if it acts, and how fast it grows as they come nearer
+        float rounding;          ///< of the corner where it begins to act [uN]
+        float share;             ///< of the stiffness that acts, from 0 to 1
+
+        /// The force where it would be `straight` if it could pull too; finds the share.
+        float at(float straight);
+    };
+
     void add_moments(const Four* velocity);
     void find_states(bool fresh_viscosity);
     void add_forces(const Four* velocity);
     void add_changes(const Four* direction);
     void add_cores(const Four* velocity, bool whole);
     void add_pushes(const Four* velocity, bool whole);
-    Four push(const FlowPairs::Pushing& pair, const Four* velocity, bool whole) const;
     void add_block_parts(std::vector<Block>& blocks) const;
     void clear_sums();
 
@@ -105,7 +115,7 @@ class FlowForces {
     FlowPairs pairs_;
     std::vector<Core> cores_;
     std::vector<float> damping_;  ///< of each pair [uN.s/mm]
-    std::vector<std::uint8_t> pushes_;
+    std::vector<Push> pushes_;
     std::vector<Fabric> fabrics_;
     std::vector<Sums> sums_;
     std::vector<State> states_;

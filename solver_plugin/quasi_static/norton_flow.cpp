@@ -19,8 +19,10 @@ constexpr int most_outer = 60;
 constexpr int most_inner = 300;
 /// How far a linear system is solved, relative to its right side: no farther than the viscosities are worth.
 constexpr double loosest = 0.5, tightest = 0.1;
-/// Halvings of a motion that does not bring the forces nearer to balance.
-constexpr int most_halvings = 6;
+/// A motion at frozen viscosities lowers the dissipated power, of which the forces are the gradient, but not always the
+/// norm of the forces at once: how much more there may be of it, and how often the motion is halved if there is.
+constexpr double most_growth = 2;
+constexpr int most_halvings = 4;
 /// Shortest part of a step: below it the run stops.
 constexpr double shortest_part = 1e-6;
 /// Way of a particle in a step while the sample comes to rest, over its diameter.
@@ -149,6 +151,7 @@ void NortonFlow::find_forces() {
     ++work_.forces;
     std::copy_n(forces_.net(), local_count_, net_.begin());
     add_walls(velocity_.data(), true, net_.data());
+    rigid_.remove(net_, surroundings());
     double norms[2] = {dot(net_, net_, local_count_), 0};
     for (int i = 0; i < local_count_; ++i) norms[1] += static_cast<double>(net_[i][3]) * net_[i][3];
     surroundings().add_up(norms, 2);
@@ -199,6 +202,7 @@ double NortonFlow::precondition(double& along) {
     grid_.solve(nodes_.data());
     for (std::size_t k = 0; k < size; ++k) along += forces[k] * nodes_[k];
     grid_.spread(nodes_.data(), step_.data());
+    rigid_.remove(step_, surroundings());
     return squares;
 }
 
@@ -221,6 +225,7 @@ void NortonFlow::find_motion(double tolerance) {
         ++work_.products;
         std::copy_n(forces_.change(), local_count_, step_.begin());
         add_walls(direction_.data(), false, step_.data());
+        rigid_.remove(step_, surroundings());
         double against = -dot(direction_, step_, local_count_);
         surroundings().add_up(&against, 1);
         if (!(against > 0)) {
@@ -246,7 +251,6 @@ bool NortonFlow::balance() {
         prepared = true;
         const double wanted = load_norm_ > 0 ? 0.5 * imbalance_ * load_norm_ / net_norm_ : 0;
         find_motion(std::clamp(wanted, tightest, loosest));
-        rigid_.remove(motion_, surroundings());
         from.assign(found_.begin(), found_.begin() + local_count_);
         const double before = net_norm_;
         double length = 1;
@@ -254,7 +258,7 @@ bool NortonFlow::balance() {
             for (int i = 0; i < local_count_; ++i)
                 for (int c = 0; c < 3; ++c) found_[i][c] = from[i][c] + length * motion_[i][c];
             find_forces();
-            if (net_norm_ < (1 - 1e-3 * length) * before || halvings == most_halvings) break;
+            if (net_norm_ < most_growth * before || halvings == most_halvings) break;
             length /= 2;
         }
     }

@@ -57,8 +57,18 @@ std::vector<Vec3> stirred(const Packing& packing) {
     return velocities;
 }
 
+Model quasi_static(const Packing& packing, const std::string& contact, double strain_per_step, double imbalance) {
+    Model model = model_of(packing, contact);
+    model.scheme = Scheme::quasi_static;
+    model.strain_per_step = strain_per_step;
+    model.imbalance = imbalance;
+    return model;
+}
+
 /// From the formulas, every pair on its own.
-std::vector<Vec3> expected_forces(const Packing& packing, const Model& model, const std::vector<Vec3>& velocities) {
+/// @param loads  becomes the sum of the magnitudes of each particle's pair forces; null: not asked for
+std::vector<Vec3> expected_forces(const Packing& packing, const Model& model, const std::vector<Vec3>& velocities,
+                                  std::vector<double>* loads = nullptr) {
     const law::Norton& law = norton_of(model);
     const double scale = model.seed_radius / packing.seed_radius, reach = C::crown * law.seed_diameter;
     const std::size_t count = packing.size();
@@ -90,6 +100,7 @@ std::vector<Vec3> expected_forces(const Packing& packing, const Model& model, co
         Vec3 force;
         law::norton_force(law, states[i], states[j], apart.data(), speed.data(), bonded, force.data());
         forces[i] += force / (scale * scale);
+        if (loads != nullptr) (*loads)[i] += force.norm() / (scale * scale);
     });
     return forces;
 }
@@ -132,6 +143,100 @@ TEST(Norton, StepsAreThoseOfOneProcess) {
     }
     EXPECT_GT(way, 0.05);
     EXPECT_LT(difference, 1e-9);
+}
+
+/// Of the whole sample, in its order, on every process.
+std::vector<Vec3> velocities_of(const Simulation& simulation, const Packing& packing) {
+    const RowBlock rows = simulation.velocity_rows();
+    std::vector<double> all(3 * packing.size(), 0.0);
+    std::copy(rows.values.begin(), rows.values.end(), all.begin() + 3 * static_cast<std::ptrdiff_t>(rows.first));
+    MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+    std::vector<Vec3> velocities;
+    for (std::size_t k = 0; k < packing.size(); ++k) velocities.emplace_back(all.data() + 3 * k);
+    return velocities;
+}
+
+/// At rest under the law without inertia, on every process.
+Packing at_rest(Packing packing, const std::string& contact) {
+    Simulation simulation(packing, quasi_static(packing, contact, 8e-3, 1e-2), 2, MPI_COMM_WORLD);
+    simulation.begin_relaxation();
+    simulation.run(15);
+    simulation.end_relaxation();
+    packing.position = simulation.positions();
+    packing.position.resize(packing.size());
+    MPI_Bcast(packing.position.data(), static_cast<int>(3 * packing.size()), MPI_DOUBLE, 0, MPI_COMM_WORLD);
+    return packing;
+}
+
+TEST(Norton, VelocitiesThatAreFoundBalanceTheForcesOfTheFormulas) {
+    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+    Packing packing = sample();
+    packing.object.assign(packing.size(), 1);
+    packing = at_rest(packing, "");
+    // So short a step that the elastic forces are those of the present places.
+    const Model model = quasi_static(packing, "", 1e-9, 1e-3);
+    Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
+    simulation.place_planes();
+    simulation.set_loading({.rate = {-1e-3}, .time_step = 1e-6});
+    simulation.run(0);
+    std::vector<double> loads(packing.size(), 0.0);
+    const std::vector<Vec3> forces = expected_forces(packing, model, velocities_of(simulation, packing), &loads);
+    double low = 1e300, high = -1e300, net = 0, load = 0;
+    for (const Vec3& point : packing.position) {
+        low = std::min(low, point.z());
+        high = std::max(high, point.z());
+    }
+    for (std::size_t k = 0; k < packing.size(); ++k) {
+        // The planes have no part in it.
+        const double z = packing.position[k].z(), near = 2 * 1.5 * packing.seed_radius;
+        if (z < low + near || z > high - near) continue;
+        net += forces[k].squaredNorm();
+        load += loads[k] * loads[k];
+    }
+    EXPECT_LT(std::sqrt(net / load), 1e-3);
+}
+
+TEST(Norton, QuasiStaticStepsAreThoseOfOneProcess) {
+    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+    const Packing packing = at_rest(sample(), "objects_only_push = true");
+    const auto pressed = [&](MPI_Comm communicator) {
+        Simulation simulation(packing, quasi_static(packing, "objects_only_push = true", 8e-3, 1e-3), 2, communicator);
+        simulation.place_planes();
+        simulation.set_loading({.rate = {-1e-3}, .time_step = 8});
+        simulation.run(6);
+        return std::pair(simulation.positions(), simulation.take_forces());
+    };
+    const auto [parallel, forces] = pressed(MPI_COMM_WORLD);
+    if (rank() != 0) return;
+    const auto [alone, forces_alone] = pressed(MPI_COMM_SELF);
+    double difference = 0, way = 0;
+    for (std::size_t k = 0; k < alone.size(); ++k) {
+        difference = std::max(difference, (parallel[k] - alone[k]).norm());
+        way = std::max(way, (alone[k] - packing.position[k]).norm());
+    }
+    EXPECT_GT(way, 0.1);
+    // Both are solutions within the balance that is asked for.
+    EXPECT_LT(difference, 1e-2 * way);
+    EXPECT_NEAR(forces.top, forces_alone.top, 1e-3 * std::abs(forces_alone.top));
+}
+
+TEST(Norton, QuasiStaticStepsHaveTheStressOfTheExplicitOnes) {
+    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
+    const Packing packing = sample();
+    const auto force_at_strain = [&](const Model& model, double time_step, double strain, double window) {
+        Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
+        simulation.place_planes();
+        simulation.set_loading({.rate = {-1e-3}, .time_step = time_step});
+        simulation.run(std::llround((strain - window) / 1e-3 / time_step));
+        simulation.take_forces();
+        simulation.run(std::llround(window / 1e-3 / time_step));
+        const plugin::PlaneForces forces = simulation.take_forces();
+        return (forces.top + forces.bottom) / 2;
+    };
+    const Model explicit_steps = model_of(packing, "");
+    const double reference = force_at_strain(explicit_steps, explicit_steps.time_step, 0.08, 0.016);
+    const double found = force_at_strain(quasi_static(packing, "", 4e-3, 1e-2), 4, 0.08, 0.016);
+    EXPECT_NEAR(found, reference, 0.01 * std::abs(reference));
 }
 
 TEST(Norton, TheVelocitiesToBeFoundAreGuessedFromThoseOfTheRateBefore) {
