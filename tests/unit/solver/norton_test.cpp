@@ -162,9 +162,10 @@ Packing at_rest(Packing packing, const std::string& contact) {
     simulation.begin_relaxation();
     simulation.run(15);
     simulation.end_relaxation();
+    const std::size_t count = packing.size();
     packing.position = simulation.positions();
-    packing.position.resize(packing.size());
-    MPI_Bcast(packing.position.data(), static_cast<int>(3 * packing.size()), MPI_DOUBLE, 0, MPI_COMM_WORLD);
+    packing.position.resize(count);
+    MPI_Bcast(packing.position.data(), static_cast<int>(3 * count), MPI_DOUBLE, 0, MPI_COMM_WORLD);
     return packing;
 }
 
