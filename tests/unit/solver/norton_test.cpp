@@ -199,9 +199,9 @@ TEST(Norton, VelocitiesThatAreFoundBalanceTheForcesOfTheFormulas) {
 
 TEST(Norton, QuasiStaticStepsAreThoseOfOneProcess) {
     if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
-    const Packing packing = at_rest(sample(), "objects_only_push = true");
+    const Packing packing = at_rest(sample(), "");
     const auto pressed = [&](MPI_Comm communicator) {
-        Simulation simulation(packing, quasi_static(packing, "objects_only_push = true", 8e-3, 1e-3), 2, communicator);
+        Simulation simulation(packing, quasi_static(packing, "", 8e-3, 1e-3), 2, communicator);
         simulation.place_planes();
         simulation.set_loading({.rate = {-1e-3}, .time_step = 8});
         simulation.run(6);
