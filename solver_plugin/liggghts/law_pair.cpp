@@ -143,6 +143,16 @@ void LawPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, in
 }
 
 void LawPair::solve_from(double start) {
+    std::vector<double> forces(3 * static_cast<std::size_t>(atom->nlocal) + 1);
+    solve(start, forces.data());
+}
+
+void LawPair::solve_again() {
+    if (atom->nlocal > 0) std::fill_n(atom->f[0], 3 * atom->nlocal, 0.0);
+    solve(0, atom->f[0]);
+}
+
+void LawPair::solve(double start, double* forces) {
     comm->forward_comm();
     PairStep step;
     step.number = update->ntimestep;
@@ -150,8 +160,7 @@ void LawPair::solve_from(double start) {
     step.start = start;
     step.velocity = atom->v[0];
     step.set_up = false;
-    std::vector<double> forces(3 * static_cast<std::size_t>(atom->nlocal) + 1);
-    kernel().add_forces(particles(), list(), step, forces.data(), nullptr, nullptr);
+    kernel().add_forces(particles(), list(), step, forces, nullptr, nullptr);
 }
 
 void LawPair::add_up(double* values, std::size_t count) const {
@@ -194,6 +203,16 @@ double LawPair::lateral_virial() const {
         virial += share * 0.5 * (force[0] * apart[0] + force[1] * apart[1]);
     });
     return virial;
+}
+
+Vec3 LawPair::virial() const {
+    double sums[3] = {0, 0, 0};
+    pair_forces([&](int, int j, const double* force, const double* apart) {
+        const double share = j < atom->nlocal ? 1.0 : 0.5;
+        for (int c = 0; c < 3; ++c) sums[c] += share * force[c] * apart[c];
+    });
+    add_up(sums, 3);
+    return Vec3(sums);
 }
 
 void LawPair::pair_forces(const PairKernel::UsePair& use) const {
