@@ -1,6 +1,7 @@
 #include "solver_plugin/liggghts/law_pair.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "core/base/error.hpp"
@@ -176,6 +177,11 @@ void LawPair::add_up(double* values, std::size_t count) const {
 
 void LawPair::take_largest(double* values, std::size_t count) const {
     MPI_Allreduce(MPI_IN_PLACE, values, static_cast<int>(count), MPI_DOUBLE, MPI_MAX, world);
+}
+
+double LawPair::rate(double start) const {
+    const int planes = modify->find_fix("planes");
+    return planes < 0 ? 0 : std::abs(static_cast<const FixPlanes*>(modify->fix[planes])->rate(start));
 }
 
 std::vector<NearWall> LawPair::walls(double start, double interval) const {

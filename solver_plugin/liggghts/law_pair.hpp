@@ -73,6 +73,7 @@ class LawPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranu
     void solve(double start, double* forces);
     void add_up(double* values, std::size_t count) const override;
     void take_largest(double* values, std::size_t count) const override;
+    double rate(double start) const override;
     bool can_turn() const override { return domain->xperiodic + domain->yperiodic + domain->zperiodic == 0; }
     std::vector<NearWall> walls(double start, double interval) const override;
     ParticleView particles() const;
