@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "solver_plugin/liggghts/lateral_box.hpp"
 #include "solver_plugin/liggghts/law_pair.hpp"
 #include "solver_plugin/liggghts/planes.hpp"
 
@@ -18,7 +19,7 @@ int FixIntegrate::setmask() {
 /// are carried on as those of a uniform flow: the next search begins there.
 void FixIntegrate::follow(LawPair& pair) {
     PairKernel& kernel = pair.kernel();
-    const int planes = modify->find_fix("planes");
+    const int planes = modify->find_fix("planes"), sides = modify->find_fix("sides");
     double left = update->dt;
     for (;;) {
         const double part = std::min(left, kernel.interval());
@@ -30,6 +31,7 @@ void FixIntegrate::follow(LawPair& pair) {
                 atom->x[i][c] += part * atom->v[i][c];
                 atom->v[i][c] *= 1 + growth[c];
             }
+        if (sides >= 0) static_cast<FixLateralBox*>(modify->fix[sides])->move(part);
         left -= part;
         if (!kernel.keeps_time() || left <= 1e-9 * update->dt) return;
         pair.solve_from(-left);

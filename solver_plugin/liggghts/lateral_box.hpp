@@ -12,6 +12,9 @@ namespace tomodem::plugin {
 /// Particles are not moved with the box. A periodic image moves with the rate of the edge relative to its original:
 /// ghosts and particles that cross a side get that jump of velocity (LIGGGHTS' `fix deform ... remap v` does the same,
 /// with the box a step behind the particles).
+///
+/// Where the kernel finds the velocities, that rate is the mean of the step to come, and the sides that carry no stress
+/// are found in the step itself: they are steered and the velocities solved for until the stress across is little.
 class FixLateralBox : public LAMMPS_NS::Fix {
  public:
     FixLateralBox(LAMMPS_NS::LAMMPS* lmp, int count, char** words);
@@ -27,17 +30,29 @@ class FixLateralBox : public LAMMPS_NS::Fix {
 
     /// From the next step on c grows by that much per unit of strain.
     void steer(double growth) { growth_ = growth; }
+    /// By how much c is to change its growth where the sample answers as a viscous one.
+    double growth_without_stress() const;
+    /// Whether there is to be no mean stress across, for a kernel that finds the velocities.
+    void carry_no_stress(bool none) { carries_no_stress_ = none; }
+    /// Of a kernel that finds the velocities: the sides move on for a part of a step [s].
+    void move(double part);
 
     int setmask() override;
     void init() override;
     void post_integrate() override;
+    void setup(int flag) override { post_force(flag); }
+    void post_force(int) override;
 
  private:
     void set_rates(double time);
+    void look_ahead();
+    void place();
+    double time() const { return update->dt * static_cast<double>(update->ntimestep - first_step_); }
 
     LoadSegment segment_;
     LAMMPS_NS::bigint first_step_ = 0;
     double growth_ = 0, correction_ = 0;
+    bool carries_no_stress_ = false;
     double middle_[2] = {0, 0}, edge_[2] = {0, 0};
 };
 

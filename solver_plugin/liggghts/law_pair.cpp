@@ -1,6 +1,7 @@
 #include "solver_plugin/liggghts/law_pair.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "core/base/error.hpp"
@@ -143,6 +144,16 @@ void LawPair::compute_force(PairGran* pair, int energy_flag, int virial_flag, in
 }
 
 void LawPair::solve_from(double start) {
+    std::vector<double> forces(3 * static_cast<std::size_t>(atom->nlocal) + 1);
+    solve(start, forces.data());
+}
+
+void LawPair::solve_again() {
+    if (atom->nlocal > 0) std::fill_n(atom->f[0], 3 * atom->nlocal, 0.0);
+    solve(0, atom->f[0]);
+}
+
+void LawPair::solve(double start, double* forces) {
     comm->forward_comm();
     PairStep step;
     step.number = update->ntimestep;
@@ -150,8 +161,7 @@ void LawPair::solve_from(double start) {
     step.start = start;
     step.velocity = atom->v[0];
     step.set_up = false;
-    std::vector<double> forces(3 * static_cast<std::size_t>(atom->nlocal) + 1);
-    kernel().add_forces(particles(), list(), step, forces.data(), nullptr, nullptr);
+    kernel().add_forces(particles(), list(), step, forces, nullptr, nullptr);
 }
 
 void LawPair::add_up(double* values, std::size_t count) const {
@@ -167,6 +177,11 @@ void LawPair::add_up(double* values, std::size_t count) const {
 
 void LawPair::take_largest(double* values, std::size_t count) const {
     MPI_Allreduce(MPI_IN_PLACE, values, static_cast<int>(count), MPI_DOUBLE, MPI_MAX, world);
+}
+
+double LawPair::rate(double start) const {
+    const int planes = modify->find_fix("planes");
+    return planes < 0 ? 0 : std::abs(static_cast<const FixPlanes*>(modify->fix[planes])->rate(start));
 }
 
 std::vector<NearWall> LawPair::walls(double start, double interval) const {
@@ -194,6 +209,16 @@ double LawPair::lateral_virial() const {
         virial += share * 0.5 * (force[0] * apart[0] + force[1] * apart[1]);
     });
     return virial;
+}
+
+Vec3 LawPair::virial() const {
+    double sums[3] = {0, 0, 0};
+    pair_forces([&](int, int j, const double* force, const double* apart) {
+        const double share = j < atom->nlocal ? 1.0 : 0.5;
+        for (int c = 0; c < 3; ++c) sums[c] += share * force[c] * apart[c];
+    });
+    add_up(sums, 3);
+    return Vec3(sums);
 }
 
 void LawPair::pair_forces(const PairKernel::UsePair& use) const {

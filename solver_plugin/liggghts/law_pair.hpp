@@ -30,6 +30,9 @@ class LawPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranu
     PairKernel& kernel() { return solver_law_->kernel(); }
     /// Of a kernel that finds the velocities: solves the present step anew from `start` [s] after it on.
     void solve_from(double start);
+    /// Of such a kernel, in a step before any other force: solves it anew, for images that move otherwise or from other
+    /// velocities.
+    void solve_again();
 
     /// Calls use(i, j) for every pair that may be in the crown: those of two particles of this process once, those
     /// with a ghost with i of this process. Between runs, or in a step after the forces.
@@ -42,6 +45,8 @@ class LawPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranu
     /// Sum over this process' share of the pairs of (f_x l_x + f_y l_y) / 2, l the vector between the centres: the
     /// lateral pressure times the volume, as the law saw it in the last step of a run.
     double lateral_virial() const;
+    /// Sum over all processes and pairs of f_a l_a, likewise.
+    Vec3 virial() const;
     /// Reports the force of every pair of this process as the law saw it in the last step of a run, and changes
     /// nothing.
     void pair_forces(const PairKernel::UsePair& use) const;
@@ -65,8 +70,10 @@ class LawPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranu
     template <class Do>
     void refuse_in_script(Do something);
     void read_properties();
+    void solve(double start, double* forces);
     void add_up(double* values, std::size_t count) const override;
     void take_largest(double* values, std::size_t count) const override;
+    double rate(double start) const override;
     bool can_turn() const override { return domain->xperiodic + domain->yperiodic + domain->zperiodic == 0; }
     std::vector<NearWall> walls(double start, double interval) const override;
     ParticleView particles() const;

@@ -43,6 +43,8 @@ class FixPlanes : public LAMMPS_NS::Fix {
     /// `first` (below) and `first` + 1.
     /// @param start, interval  as FlowSurroundings::walls()
     void add_walls(double start, double interval, int first, std::vector<NearWall>& walls) const;
+    /// Of the strain, at a time after the present step [1/s].
+    double rate(double start) const { return motion_.segment.rate_at(time() + start); }
     /// What a uniform flow adds to the velocity of a particle that moves with it, over that velocity.
     /// @param before    the present step the motion begins [s]
     /// @param interval  that it takes [s]

@@ -39,6 +39,8 @@ class FlowSurroundings {
     virtual void add_up(double* values, std::size_t count) const = 0;
     /// The largest over the processes, likewise.
     virtual void take_largest(double* values, std::size_t count) const = 0;
+    /// Of the load, at a time after the present step [s], positive [1/s]; 0 where no planes press.
+    virtual double rate(double start) const = 0;
     /// Whether the sample may turn as a whole: not between periodic sides.
     virtual bool can_turn() const = 0;
     /// Walls within reach of the particles of this process where the particles are now.

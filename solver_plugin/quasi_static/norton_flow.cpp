@@ -88,13 +88,21 @@ void NortonFlow::unpack(int i, const double* numbers) {
     std::memcpy(carried_ + static_cast<std::size_t>(i) * stride_, numbers, carried_size_);
 }
 
-double NortonFlow::film(std::size_t wall) const {
-    return C::wall_viscosity * law().seed_diameter * wall_strength_[wall] / law().flow_rate;
+/// By the present rate: by the highest of the load, a sample would slip where it flows slowly and M is small.
+/// @param type  of the particle, from 0
+double NortonFlow::film(int type) const {
+    const law::NortonMaterial& material = law().materials[type];
+    return C::wall_viscosity * law().seed_diameter * material.consistency *
+           std::pow(rate_, material.rate_sensitivity - 1);
+}
+
+double NortonFlow::film_at(std::size_t wall) const {
+    return film(wall_type_[wall]);
 }
 
 double NortonFlow::stiffness(std::size_t wall) const {
     const double d = law().seed_diameter;
-    return walls_[wall].distance < d / 2 ? C::core_stiffness * d * wall_strength_[wall] : 0;
+    return walls_[wall].distance < d / 2 ? C::core_stiffness * d * law().materials[wall_type_[wall]].strength : 0;
 }
 
 void NortonFlow::add_walls(const Four* motion, bool whole, Four* force) const {
@@ -103,7 +111,7 @@ void NortonFlow::add_walls(const Four* motion, bool whole, Four* force) const {
         const Four own = motion[wall.particle];
         double approach = whole ? -wall.velocity : 0;
         for (int c = 0; c < 3; ++c) approach += wall.normal[c] * own[c];
-        double size = -(film(k) + interval_ * stiffness(k)) * approach;
+        double size = -(film_at(k) + interval_ * stiffness(k)) * approach;
         if (whole) size += stiffness(k) * (law().seed_diameter / 2 - wall.distance);
         for (int c = 0; c < 3; ++c) force[wall.particle][c] += static_cast<float>(size * wall.normal[c]);
     }
@@ -124,7 +132,7 @@ void NortonFlow::follow_walls(const ParticleView& particles, bool set_up) {
         double wanted = 0;
         if (set_up) {
             // A run that is set up anew has the velocities of its last step.
-            if (std::abs(approach) <= strange_slip * law().seed_diameter * law().flow_rate) continue;
+            if (std::abs(approach) <= strange_slip * law().seed_diameter * rate_) continue;
         } else if (const auto slip = slips_.find(key(particles.id[wall.particle], wall.wall)); slip != slips_.end()) {
             wanted = slip->second;
         }
@@ -164,7 +172,7 @@ void NortonFlow::prepare() {
     forces_.prepare_blocks(blocks_);
     for (std::size_t k = 0; k < walls_.size(); ++k) {
         const double* const n = walls_[k].normal;
-        const double size = film(k) + interval_ * stiffness(k);
+        const double size = film_at(k) + interval_ * stiffness(k);
         FlowForces::Block& block = blocks_[walls_[k].particle];
         for (int c = 0; c < 3; ++c) {
             block.diagonal[c] += static_cast<float>(size * n[c] * n[c]);
@@ -181,7 +189,7 @@ void NortonFlow::prepare() {
                                                           4 * interval_ * C::pressure * forces_.strength(i))};
     }
     std::vector<double> walls(walls_.size());
-    for (std::size_t k = 0; k < walls.size(); ++k) walls[k] = film(k) + interval_ * stiffness(k);
+    for (std::size_t k = 0; k < walls.size(); ++k) walls[k] = film_at(k) + interval_ * stiffness(k);
     grid_.fill(materials, walls_, walls, surroundings());
 }
 
@@ -288,6 +296,8 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
             jump_[i - local_count_][c] = static_cast<float>(particles.velocity[3 * i + c]) - velocity_[i][c];
     grid_.lay(particles.position, local_count_, cell * law().seed_diameter, surroundings());
 
+    rate_ = law().at_rest ? 0 : surroundings().rate(step.start);
+    if (rate_ == 0) rate_ = law().flow_rate;
     interval_ = step.start < 0 ? -step.start : step.time_step;
     for (;; interval_ /= 2) {
         if (interval_ < shortest_part * step.time_step)
@@ -298,9 +308,8 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
                 net_norm_ / load_norm_, imbalance_));
         forces_.set_interval(interval_);
         walls_ = surroundings().walls(step.start, interval_);
-        wall_strength_.resize(walls_.size());
-        for (std::size_t k = 0; k < walls_.size(); ++k)
-            wall_strength_[k] = law().materials[particles.type[walls_[k].particle] - 1].strength;
+        wall_type_.resize(walls_.size());
+        for (std::size_t k = 0; k < walls_.size(); ++k) wall_type_[k] = particles.type[walls_[k].particle] - 1;
         take(particles);
         follow_walls(particles, step.set_up);
         rigid_.find(particles.position, local_count_, walls_, surroundings());
@@ -334,8 +343,7 @@ void NortonFlow::pair_forces(const ParticleView&, const NeighbourView&, const Co
 double NortonFlow::wall_force(const WallContact& contact) const {
     const double d = law().seed_diameter, strength = law().materials[contact.type - 1].strength;
     const double core = contact.distance < d / 2 ? C::core_stiffness * d * strength : 0;
-    const double film = C::wall_viscosity * d * strength / law().flow_rate;
-    return core * (d / 2 - contact.distance) - (film + interval_ * core) * contact.rate;
+    return core * (d / 2 - contact.distance) - (film(contact.type - 1) + interval_ * core) * contact.rate;
 }
 
 double NortonFlow::seed_energy(const ParticleView&, const NeighbourView&) const {

@@ -57,7 +57,8 @@ class NortonFlow final : public PairKernel {
     void prepare();
     double precondition(double& along);
     void add_walls(const Four* motion, bool whole, Four* force) const;
-    double film(std::size_t wall) const;
+    double film(int type) const;
+    double film_at(std::size_t wall) const;
     double stiffness(std::size_t wall) const;
     void carry(void* first, std::size_t stride, std::size_t size);
 
@@ -71,7 +72,8 @@ class NortonFlow final : public PairKernel {
 
     int local_count_ = 0, count_ = 0;
     std::vector<NearWall> walls_;
-    std::vector<double> wall_strength_;               ///< of the particle at each wall
+    double rate_ = 0;                                 ///< of the load, in this step [1/s]
+    std::vector<int> wall_type_;                      ///< from 0, of the particle at each wall
     std::unordered_map<std::int64_t, double> slips_;  ///< velocity against a wall, by particle and wall
     std::vector<Four> jump_;  ///< of the velocity of each ghost against its owner's: periodic sides that move
     std::vector<std::array<double, 3>> found_;  ///< the velocities, as they are found

@@ -152,10 +152,11 @@ void Simulation::place_planes() {
         low = s.face(low, high, in_layer, 1) - layer;
         high = s.face(low, high, in_layer, -1) + layer;
     }
+    // The sides first: they settle the forces of the particles in a step.
+    if (s.model.lateral != Lateral::free) s.add_sides();
     s.add_planes();
     FixPlanes::Motion motion;
-    if (s.model.lateral != Lateral::free) {
-        s.add_sides();
+    if (s.sides != nullptr) {
         s.sides->begin();
     } else {
         for (int c = 0; c < 2; ++c) {
@@ -236,7 +237,8 @@ void Simulation::run(std::int64_t steps, const Watch& watch) {
     State& s = *state_;
     s.set_up_if_needed();
     // While the sample comes to rest between planes that stand still, the sides do too.
-    if (s.loading && s.sides != nullptr && s.model.lateral == Lateral::periodic) s.steer_sides();
+    if (s.loading && s.sides != nullptr && s.model.lateral == Lateral::periodic && !s.quasi_static() && steps > 0)
+        s.steer_sides();
     // Forces accelerate on the way; velocities are found at its end.
     if (!s.relaxing) s.harden(s.material_clock.at(step() + (s.quasi_static() ? steps : steps / 2)));
     s.watch->call(watch);

@@ -63,6 +63,10 @@ void Simulation::restore(const FoundCheckpoint& found) {
     s.loading = found.checkpoint.number("solver_loading") != 0;
     std::copy_n(found.checkpoint.numbers.at("solver_centre").data(), 3, s.centre.data());
     rest();
+    if (const auto sides = found.checkpoint.numbers.find("solver_sides"); sides != found.checkpoint.numbers.end()) {
+        s.add_sides();
+        s.sides->restore(sides->second);
+    }
     if (const auto planes = found.checkpoint.numbers.find("solver_planes"); planes != found.checkpoint.numbers.end()) {
         s.add_planes();
         FixPlanes::Motion motion;
@@ -87,10 +91,6 @@ void Simulation::restore(const FoundCheckpoint& found) {
                 one.since = *word++;
             }
         }
-    }
-    if (const auto sides = found.checkpoint.numbers.find("solver_sides"); sides != found.checkpoint.numbers.end()) {
-        s.add_sides();
-        s.sides->restore(sides->second);
     }
     const std::vector<double>& box = found.checkpoint.numbers.at("solver_box");
     std::copy_n(box.data(), 3, domain.boxlo);

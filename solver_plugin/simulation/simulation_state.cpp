@@ -50,6 +50,7 @@ int Simulation::State::type_of(std::int32_t label) const {
 void Simulation::State::add_sides() {
     session.command("fix sides all tomodem/lateral");
     sides = static_cast<FixLateralBox*>(session.lmp().modify->find_fix_id("sides"));
+    sides->carry_no_stress(model.lateral == Lateral::periodic);
 }
 
 void Simulation::State::add_planes() {
@@ -94,6 +95,10 @@ void Simulation::State::remember_contacts() {
 }
 
 void Simulation::State::steer_sides() {
+    if (model.law->traits().damping == Damping::law) {
+        sides->steer(sides->growth_without_stress());
+        return;
+    }
     const LAMMPS_NS::Domain& domain = *session.lmp().domain;
     const FixPlanes::Motion& motion = planes->motion();
     const double height = motion.initial_height * std::exp(segment.strain_at(time_in_segment()));

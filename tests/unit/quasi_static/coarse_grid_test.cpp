@@ -11,6 +11,7 @@ namespace {
 struct OneProcess final : FlowSurroundings {
     void add_up(double*, std::size_t) const override {}
     void take_largest(double*, std::size_t) const override {}
+    double rate(double) const override { return 0; }
     bool can_turn() const override { return true; }
     std::vector<NearWall> walls(double, double) const override { return {}; }
 };
