@@ -33,6 +33,9 @@ K = 100.0  # MPa.s^M of the single phase
 STRAIN = 0.3
 BILIN_STRAIN_STEP = 1e-5
 WHOLE_EXPLICIT_RUN = 10000  # particles, at most
+# An explicit force is a mean over the last averaging_strain, its section that of the end: with the usual 0.01 the stress
+# is 0.6 % low, and the schemes seem to differ by that.
+SHORT_WINDOW = 1e-3
 EXPLICIT_SHARE = 0.01  # of strain, of a larger sample
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -200,7 +203,8 @@ def agree():
         for packing in range(1, options.packings + 1):
             rest, _, flow = quasi_static(size, packing, exponent)
             slow = run(f"explicit-M{exponent:g}-{size}-{packing}", rest,
-                       scene("explicit", phase("a", 1, (K, exponent)), 'scheme = "explicit"\n'))
+                       scene(f"explicit-M{exponent:g}", phase("a", 1, (K, exponent)), 'scheme = "explicit"\n',
+                             accuracy=f"averaging_strain = {SHORT_WINDOW:g}\n"))
             pairs.append((flow, slow))
         for low, high in ((0.08, 0.12), (0.18, 0.22), (0.26, 0.3)):
             means = np.array([[one["stress"][(one["strain"] >= low) & (one["strain"] <= high)].mean() for one in pair]
