@@ -32,8 +32,8 @@ struct NearWall {
     double velocity;   ///< of the wall along the normal: mean over the interval that is asked for
 };
 
-/// Passes over all pairs that a kernel which finds the velocities itself has made so far; one costs about half a step of
-/// the explicit scheme.
+/// Passes over all pairs that a kernel which finds the velocities itself has made so far; one costs about half a step
+/// of the explicit scheme.
 struct FlowWork {
     std::int64_t steps = 0;
     std::int64_t solutions = 0;  ///< of a linear system: one or two a step

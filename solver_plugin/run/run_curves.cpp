@@ -34,8 +34,7 @@ std::vector<CurveValue> curve_values(const Scene& scene, const Point& point, con
                                {"equilibrium_error", "", point.equilibrium_error},
                                {"section", "mm^2", point.section}});
     all.insert(all.end(), {{"kinetic_energy", "nJ", energies.kinetic}, {"potential_energy", "nJ", energies.seeds}});
-    if (scene.scheme == Scheme::quasi_static)
-        all.push_back({"evaluations", "", static_cast<double>(evaluations)});
+    if (scene.scheme == Scheme::quasi_static) all.push_back({"evaluations", "", static_cast<double>(evaluations)});
     for (std::size_t k = 0; k < scene.walls.size(); ++k)
         for (int axis = 0; axis < 3; ++axis)
             all.push_back(
