@@ -21,10 +21,11 @@ import subprocess
 import h5py
 import numpy as np
 
+import samples
+from samples import PHASES, phase
+
 RATES = [1e-3, 1e-4, 1e-5]
 K = 100.0  # MPa.s^M of the single phase
-PHASES = {"A": (120.0, 3.05e-2), "B": (5020.0, 0.490)}  # of the finite-element reference
-INCLUSION = 0.20
 WINDOW = 0.05  # of strain, each side
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -56,10 +57,6 @@ def brick(packing):
     if not path.exists():
         tool("packgen", path, "--particles", size, "--density", 0.64, "--random-seed", packing)
     return path
-
-
-def phase(name, label, norton):
-    return f'[phase.{name}]\nlabel = {label}\nlaw = "norton"\nnorton = {{ K = {norton[0]:g}, M = {norton[1]:g} }}\n'
 
 
 def run(name, sample, text):
@@ -210,33 +207,8 @@ def labelled(packing, case):
     if path.exists():
         return path
     shutil.copy(brick(packing), path)
-    with h5py.File(path, "r+") as file:
-        group = file["particles/all"]
-        points, origin, edges = group["position/value"][0], group["box/origin"][:], group["box/edges"][:]
-        at = (points - origin) / edges - 0.5
-        radius = (3 * INCLUSION / (4 * math.pi)) ** (1 / 3)
-        inside = {"parallel": at[:, 0] < 0, "series": at[:, 2] < 0, "inclusion": (at**2).sum(axis=1) < radius**2}[case]
-        group["species"][:] = np.where(inside, 2, 1)
+    samples.label(path, case)
     return path
-
-
-def shape(curve, at):
-    """S_f of phase B: semi-axis along the load over the mean of the others, from the inertia of its centres."""
-    with h5py.File(curve["file"]) as file:
-        group = file["particles/all"]
-        of_b = group["species"][:] == 2
-        frames = group["position/value"]
-        strains = np.linspace(0, curve["strain"][-1], len(frames))
-        factors = []
-        for frame in frames:
-            deviation = frame[of_b].std(axis=0)
-            factors.append(2 * deviation[2] / (deviation[0] + deviation[1]))
-        return float(np.interp(at, strains, factors)) / factors[0]
-
-
-def reference(name, at):
-    strain, value = np.loadtxt(options.fem / name, delimiter=",").T[:2]
-    return float(np.interp(at, strain, value))
 
 
 def two():
@@ -246,7 +218,7 @@ def two():
         for rate in options.two_rates:
             power = {1e-3: "1e-3", 1e-4: "1e-4", 2.15e-4: "2.15e-4", 4.64e-4: "4.64e-4"}[rate]
             suffix = "" if case == "inclusion" else "_fB0.5"
-            wanted = reference(f"{case}_stress_strain_rate{power}{suffix}.csv", 0.3) if options.fem else math.nan
+            wanted = samples.reference(options.fem, f"{case}_stress_strain_rate{power}{suffix}.csv", 0.3) if options.fem else math.nan
             for law in options.laws:
                 both = (phase("a", 1, PHASES["A"]) + phase("b", 2, PHASES["B"])).replace('"norton"', f'"{law}"')
                 curves = [run(f"two-{law}-{case}-{size}-{p}-{rate:g}", labelled(p, case), both + load(-0.32, rate))
@@ -256,8 +228,8 @@ def two():
                 keep(f"{key} stress", [value / wanted - 1 for value in stresses])
                 cells = ["-"] * 3
                 if case == "inclusion":
-                    shapes = [shape(curve, 0.3) for curve in curves]
-                    true = reference(f"inclusion_shape_factor_rate{power}.csv", 0.3) if options.fem else math.nan
+                    shapes = [samples.shape(curve["file"], curve["strain"][-1], 0.3) for curve in curves]
+                    true = samples.reference(options.fem, f"inclusion_shape_factor_rate{power}.csv", 0.3) if options.fem else math.nan
                     keep(f"{key} shape", [value / true - 1 for value in shapes])
                     cells = [pm(shapes, ".3f"), f"{true:.3f}", f"{np.mean(shapes) / true - 1:+.1%}"]
                 row(case, f"{rate:g}", law.upper(), pm(stresses, ".1f"), f"{wanted:.1f}",

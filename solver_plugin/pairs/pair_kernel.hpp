@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -29,6 +30,16 @@ struct NearWall {
     double normal[3];  ///< from the wall to the particle
     double distance;   ///< of the particle's centre
     double velocity;   ///< of the wall along the normal: mean over the interval that is asked for
+};
+
+/// Passes over all pairs that a kernel which finds the velocities itself has made so far; one costs about half a step
+/// of the explicit scheme.
+struct FlowWork {
+    std::int64_t steps = 0;
+    std::int64_t solutions = 0;  ///< of a linear system: one or two a step
+    std::int64_t geometries = 0, forces = 0, products = 0, blocks = 0;
+
+    std::int64_t evaluations() const { return geometries + forces + products + blocks; }
 };
 
 /// The simulation around a kernel that finds the velocities itself.
@@ -89,6 +100,8 @@ class PairKernel {
     /// Of such a kernel: whether a step that it cannot make at once is made in parts; while a sample comes to rest,
     /// time does not count, and it is cut short.
     virtual bool keeps_time() const { return true; }
+    /// What such a kernel has done so far, the same on every process; null: it does one pass in each step.
+    virtual const FlowWork* work() const { return nullptr; }
     void set_surroundings(const FlowSurroundings* surroundings) { surroundings_ = surroundings; }
 
     /// Numbers of a particle that its ghosts on other processes need between two passes of add_forces(); 0: none.

@@ -7,8 +7,9 @@
 namespace tomodem::plugin {
 namespace {
 
-/// Nodes of the largest grid: above, its factorisation would cost more than it saves.
-constexpr double most_nodes = 2000;
+/// Nodes over the square root of the number of particles, at most: the work of the factorisation goes as their square,
+/// and stays the same share of the particles' (bench/norton/trials.md). 2000 are the most that memory is given for.
+constexpr double nodes_per_root = 2.3, most_nodes = 2000;
 
 /// Of a node: itself and the neighbours that come behind it, in the order of z, y and x.
 constexpr int ahead = 14;
@@ -45,16 +46,10 @@ std::array<int, 8> CoarseGrid::offsets() const {
     return result;
 }
 
-std::array<double, 8> CoarseGrid::weights(const Place& place) {
-    std::array<double, 8> result{};
-    for (int corner = 0; corner < 8; ++corner) {
-        result[corner] = 1;
-        for (int c = 0; c < 3; ++c) {
-            const double share = place.share[c];
-            result[corner] *= (corner >> c & 1) != 0 ? share : 1 - share;
-        }
-    }
-    return result;
+std::array<Four, 2> CoarseGrid::weights(const Place& place) {
+    const auto [x, y, z] = place.share;
+    const Four in_layer = Four{1 - x, x, 1 - x, x} * Four{1 - y, 1 - y, y, y};
+    return {in_layer * four(1 - z), in_layer * four(z)};
 }
 
 void CoarseGrid::lay(const double* position, int count, double width, const FlowSurroundings& surroundings) {
@@ -70,7 +65,10 @@ void CoarseGrid::lay(const double* position, int count, double width, const Flow
     const double low[3] = {-reach[0], -reach[1], -reach[2]}, *const high = reach + 3;
     double cells = 1;
     for (int c = 0; c < 3; ++c) cells *= (high[c] - low[c]) / width + 1;
-    const double cell = width * std::max(1.0, std::cbrt(cells / most_nodes));
+    double particles = count;
+    surroundings.add_up(&particles, 1);
+    const double most = std::clamp(nodes_per_root * std::sqrt(particles), 8.0, most_nodes);
+    const double cell = width * std::max(1.0, std::cbrt(cells / most));
     for (int c = 0; c < 3; ++c) {
         const int along = std::max(1, static_cast<int>(std::lround((high[c] - low[c]) / cell)));
         nodes_[c] = along + 1;
@@ -129,16 +127,16 @@ void CoarseGrid::fill(const std::vector<Material>& materials, const std::vector<
         for (int c = 0; c < 3; ++c) diagonal += block(node, 0)[4 * c];
     for (std::size_t k = 0; k < walls.size(); ++k) {
         const Place& place = places_[static_cast<std::size_t>(walls[k].particle)];
-        const std::array<double, 8> weight = weights(place);
+        const std::array<Four, 2> weight = weights(place);
         for (int one = 0; one < 8; ++one)
             for (int two = 0; two < 8; ++two) {
                 const int way = way_between(one, two);
                 if (way < 0) continue;
                 double* const sum = block(place.node + offset[one], way);
+                const double both = static_cast<double>(weight[one / 4][one % 4]) * weight[two / 4][two % 4];
                 for (int c = 0; c < 3; ++c)
                     for (int e = 0; e < 3; ++e)
-                        sum[3 * c + e] +=
-                            wall_stiffness[k] * weight[one] * weight[two] * walls[k].normal[c] * walls[k].normal[e];
+                        sum[3 * c + e] += wall_stiffness[k] * both * walls[k].normal[c] * walls[k].normal[e];
             }
     }
     blocks.push_back(diagonal);
@@ -178,12 +176,14 @@ void CoarseGrid::fill(const std::vector<Material>& materials, const std::vector<
 
 void CoarseGrid::gather(const Four* force, double* nodes) const {
     const std::array<int, 8> offset = offsets();
+    std::vector<Four> sums(static_cast<std::size_t>(size() / 3), Four{});
     for (std::size_t i = 0; i < places_.size(); ++i) {
-        const std::array<double, 8> weight = weights(places_[i]);
+        const std::array<Four, 2> weight = weights(places_[i]);
         for (int corner = 0; corner < 8; ++corner)
-            for (int c = 0; c < 3; ++c)
-                nodes[3 * (places_[i].node + offset[corner]) + c] += weight[corner] * force[i][c];
+            sums[places_[i].node + offset[corner]] += four(weight[corner / 4][corner % 4]) * force[i];
     }
+    for (std::size_t node = 0; node < sums.size(); ++node)
+        for (int c = 0; c < 3; ++c) nodes[3 * node + c] += sums[node][c];
 }
 
 void CoarseGrid::solve(double* nodes) const {
@@ -193,12 +193,15 @@ void CoarseGrid::solve(double* nodes) const {
 
 void CoarseGrid::spread(const double* nodes, Four* motion) const {
     const std::array<int, 8> offset = offsets();
+    std::vector<Four> motions(static_cast<std::size_t>(size() / 3), Four{});
+    for (std::size_t node = 0; node < motions.size(); ++node)
+        for (int c = 0; c < 3; ++c) motions[node][c] = static_cast<float>(nodes[3 * node + c]);
     for (std::size_t i = 0; i < places_.size(); ++i) {
-        const std::array<double, 8> weight = weights(places_[i]);
-        double sum[3] = {0, 0, 0};
+        const std::array<Four, 2> weight = weights(places_[i]);
+        Four sum{};
         for (int corner = 0; corner < 8; ++corner)
-            for (int c = 0; c < 3; ++c) sum[c] += weight[corner] * nodes[3 * (places_[i].node + offset[corner]) + c];
-        motion[i] += Four{static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2]), 0};
+            sum += four(weight[corner / 4][corner % 4]) * motions[places_[i].node + offset[corner]];
+        motion[i] += sum;
     }
 }
 

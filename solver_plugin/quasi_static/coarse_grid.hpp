@@ -49,7 +49,8 @@ class CoarseGrid {
     struct Matrix;
 
     std::array<int, 8> offsets() const;
-    static std::array<double, 8> weights(const Place& place);
+    /// Of a cell's corners, in the order of z, y and x.
+    static std::array<Four, 2> weights(const Place& place);
 
     int nodes_[3] = {0, 0, 0};
     double width_[3] = {1, 1, 1};

@@ -11,15 +11,6 @@
 
 namespace tomodem::plugin {
 
-/// Passes over the pairs that steps have cost; one costs about half a step of the explicit scheme.
-struct FlowWork {
-    std::int64_t steps = 0;
-    std::int64_t solutions = 0;  ///< of a linear system: one or two a step
-    std::int64_t geometries = 0, forces = 0, products = 0, blocks = 0;
-
-    std::int64_t evaluations() const { return geometries + forces + products + blocks; }
-};
-
 /// Law NORTON without inertia: in each step, the velocities at which all forces balance, found by a conjugate gradient
 /// with lagged viscosities (docs/norton.md).
 class NortonFlow final : public PairKernel {
@@ -29,9 +20,9 @@ class NortonFlow final : public PairKernel {
     /// @param imbalance  norm of the net forces over that of the viscous forces on the particles: below it a step is
     ///                   solved
     void set_law(const law::Norton& law, double imbalance);
-    const FlowWork& work() const { return work_; }
 
     bool finds_velocities() const override { return true; }
+    const FlowWork* work() const override { return &work_; }
     double interval() const override { return good_for_; }
     bool keeps_time() const override { return !law().at_rest; }
     void add_forces(const ParticleView& particles, const NeighbourView& list, const PairStep& step, double* forces,

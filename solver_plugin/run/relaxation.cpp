@@ -148,6 +148,7 @@ Relaxation come_to_rest(const Packing& sample, const Scene& scene, const RestLim
         result.largest_displacement = std::max(
             result.largest_displacement, (result.sample.position[k] - sample.position[k]).norm() / sample.seed_radius);
     result.cost = meter.cost(simulation.step(), simulation.neighbour_builds());
+    result.cost.evaluations = simulation.evaluations();
     return result;
 }
 

@@ -24,7 +24,7 @@ Point measure(double strain, const PlaneForces& forces, double section, double i
 }
 
 std::vector<CurveValue> curve_values(const Scene& scene, const Point& point, const std::vector<Vec3>& wall_forces,
-                                     const plugin::Energies& energies) {
+                                     const plugin::Energies& energies, std::int64_t evaluations) {
     std::vector<CurveValue> all{{"strain", "", point.strain}};
     if (!scene.steps.empty())
         all.insert(all.end(), {{"stress_true", "Pa", point.stress_true},
@@ -34,6 +34,7 @@ std::vector<CurveValue> curve_values(const Scene& scene, const Point& point, con
                                {"equilibrium_error", "", point.equilibrium_error},
                                {"section", "mm^2", point.section}});
     all.insert(all.end(), {{"kinetic_energy", "nJ", energies.kinetic}, {"potential_energy", "nJ", energies.seeds}});
+    if (scene.scheme == Scheme::quasi_static) all.push_back({"evaluations", "", static_cast<double>(evaluations)});
     for (std::size_t k = 0; k < scene.walls.size(); ++k)
         for (int axis = 0; axis < 3; ++axis)
             all.push_back(

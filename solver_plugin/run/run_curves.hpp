@@ -85,7 +85,8 @@ struct CurveValue {
 };
 
 /// Everything that one point of the curves holds: without planes there is no stress.
+/// @param evaluations  of all pair forces in the quasi-static step to this point
 std::vector<CurveValue> curve_values(const Scene& scene, const Point& point, const std::vector<Vec3>& wall_forces,
-                                     const plugin::Energies& energies);
+                                     const plugin::Energies& energies, std::int64_t evaluations);
 
 }  // namespace tomodem

@@ -178,7 +178,7 @@ class Pressing {
                                                                   [](const auto& point) { return point.frame; }));
         shape.fields = fields_;
         const std::vector<Vec3> no_wall_forces(scene_.walls.size(), Vec3::Zero());
-        for (const CurveValue& curve : curve_values(scene_, {}, no_wall_forces, {}))
+        for (const CurveValue& curve : curve_values(scene_, {}, no_wall_forces, {}, 0))
             shape.curves.push_back({curve.name, curve.unit, plan_.size() + 1});
         together(communicator_, [&] {
             if (first_) create_run_file(*sample_, shape, provenance, partial_, run_file_);
@@ -196,7 +196,7 @@ class Pressing {
             refuse_collapse(simulation(), energies.seeds, model_, "at the start");
         }
         write_frame();
-        write_point(0, measure(0, forces.planes, initial_section_, initial_section_), forces.walls, energies);
+        write_point(0, measure(0, forces.planes, initial_section_, initial_section_), forces.walls, energies, 0);
         take_snapshot();
     }
 
@@ -268,6 +268,7 @@ class Pressing {
         error_sum_ = checkpoint.number("error_sum");
         error_points_ = static_cast<std::int64_t>(checkpoint.number("error_points"));
         samples_ = static_cast<std::int64_t>(checkpoint.number("samples"));
+        evaluations_ = static_cast<std::int64_t>(checkpoint.number("evaluations"));
         last_stress_ = checkpoint.number("last_stress");
         last_strain_ = checkpoint.number("last_strain");
         last_section_ = checkpoint.number("last_section");
@@ -298,6 +299,7 @@ class Pressing {
 
     /// Runs to a point, and does what is due there.
     void reach(const PlannedPoint& point) {
+        const std::int64_t evaluations_before = simulation().evaluations();
         if (point.from == 0) simulation().set_loading(segments_[point.segment]);
         const auto pieces = watching(watch_, simulation());
         const std::int64_t steps = point.to - point.from;
@@ -320,8 +322,10 @@ class Pressing {
         const Forces forces = window_.mean();
         const double section = simulation().periodic_section().value_or(initial_section_ * std::exp(-strain()));
         const Point measured = measure(strain(), forces.planes, section, initial_section_);
+        const std::int64_t evaluations = simulation().evaluations() - evaluations_before;
+        evaluations_ += evaluations;
         ++next_;
-        write_point(next_, measured, forces.walls, energies);
+        write_point(next_, measured, forces.walls, energies, evaluations);
         if (point.travelled > scene_.path_length() / 2) {
             error_sum_ += measured.equilibrium_error;
             ++error_points_;
@@ -375,10 +379,10 @@ class Pressing {
     }
 
     void write_point(std::size_t index, const Point& point, const std::vector<Vec3>& wall_forces,
-                     const plugin::Energies& energies) {
+                     const plugin::Energies& energies, std::int64_t evaluations) {
         together(communicator_, [&] {
             if (!first_) return;
-            for (const CurveValue& curve : curve_values(scene_, point, wall_forces, energies))
+            for (const CurveValue& curve : curve_values(scene_, point, wall_forces, energies, evaluations))
                 file_->write_point(curve.name, index, step(), time(), curve.value);
         });
     }
@@ -397,6 +401,7 @@ class Pressing {
         keep("error_sum", error_sum_);
         keep("error_points", static_cast<double>(error_points_));
         keep("samples", static_cast<double>(samples_));
+        keep("evaluations", static_cast<double>(evaluations_));
         keep("last_stress", last_stress_);
         keep("last_strain", last_strain_);
         keep("last_section", last_section_);
@@ -465,6 +470,7 @@ class Pressing {
         result.mean_equilibrium_error = error_points_ > 0 ? error_sum_ / static_cast<double>(error_points_) : 0;
         result.particles_lost = result.particles - simulation().particles();
         result.cost = meter_.cost(simulation().step() - steps_before_, simulation().neighbour_builds());
+        result.cost.evaluations = evaluations_;
         together(communicator_, [&] { file_->close(); });
         write_end();
         together(communicator_, [&] {
@@ -537,6 +543,7 @@ class Pressing {
     plugin::Energies last_energies_;
     double total_strain_ = 0;  ///< before this run
     std::int64_t error_points_ = 0, samples_ = 0;
+    std::int64_t evaluations_ = 0;  ///< of the load, quasi-static
     RowBlock sums_;
 
     Checkpoint snapshot_;

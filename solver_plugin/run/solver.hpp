@@ -20,6 +20,9 @@ struct Cost {
     double cpu_seconds = 0.0;     ///< all processes
     std::int64_t peak_bytes = 0;  ///< all processes
     std::int64_t neighbour_builds = 0;
+    /// Of all pair forces in quasi-static steps, those of the load alone in a run that relaxed its sample first; 0:
+    /// each step took one.
+    std::int64_t evaluations = 0;
     int processes = 1;
 };
 

@@ -91,6 +91,8 @@ class Simulation {
     /// Particles whose centre a plane has passed.
     std::int64_t particles_behind_planes() const;
     std::int64_t neighbour_builds() const;
+    /// Passes over all pairs so far, in quasi-static steps; 0 in explicit ones, which make one each.
+    std::int64_t evaluations() const;
 
     /// What the line ends with that the user sees when LIGGGHTS fails on one process alone.
     void advise(const std::string& text);

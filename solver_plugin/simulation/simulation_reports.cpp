@@ -222,6 +222,11 @@ std::int64_t Simulation::neighbour_builds() const {
     return state_->builds();
 }
 
+std::int64_t Simulation::evaluations() const {
+    const FlowWork* const work = state_->pair->kernel().work();
+    return work == nullptr ? 0 : work->evaluations();
+}
+
 RowBlock Simulation::position_rows() const {
     State& s = *state_;
     const LAMMPS_NS::Atom& atoms = s.atom();

@@ -82,6 +82,7 @@ void run(const Request& request, cli::Tool& tool) {
     }
     tool.report("particles", static_cast<std::int64_t>(sample.size()));
     tool.report("steps", result.cost.steps);
+    if (result.cost.evaluations > 0) tool.report("evaluations", result.cost.evaluations);
     tool.report("at_rest", static_cast<std::int64_t>(result.at_rest));
     tool.report("periods", result.periods);
     tool.report("energy_ratio", result.energy_ratio);

@@ -155,6 +155,7 @@ void run(const Request& request, cli::Tool& tool) {
     tool.report("particles_lost", result.particles_lost);
     tool.report("time_step", result.time_step, "s");
     tool.report("steps", result.cost.steps);
+    if (result.cost.evaluations > 0) tool.report("evaluations", result.cost.evaluations);
     tool.report("final_strain", result.final_strain);
     if (!scene.duration) {
         tool.report("final_stress", result.final_stress, "Pa");

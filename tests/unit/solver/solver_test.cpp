@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "core/base/error.hpp"
 #include "core/packing/packing_file.hpp"
@@ -288,6 +289,33 @@ TEST(CompileModel, OfQuasiStaticStepsGoesByTheStrainAndKeepsTheMasses) {
     EXPECT_THAT(
         given.law->time_step_reason(quasi_static(load, "strain_per_step = 2e-3\nmax_imbalance = 1e-3\n"), given),
         testing::AllOf(HasSubstr("0.002 in a step (given)"), HasSubstr("force balance of 0.001")));
+}
+
+TEST_F(Solve, CountsTheEvaluationsOfAQuasiStaticLoadStepByStep) {
+    const auto evaluations = [&](const Scene& scene, bool relaxed) {
+        Packing sample = block(5);
+        sample.relaxed = relaxed;
+        return solve(sample, scene, folder / "run.h5", {}, MPI_COMM_WORLD).cost.evaluations;
+    };
+    const std::string load = "steps = [ { strain = -0.04, rate = 1e-3 } ]";
+    const Scene five = quasi_static(load, "strain_per_step = 8e-3\n");
+    const std::int64_t counted = evaluations(five, true);
+    const std::vector<double> curve = RunReader(folder / "run.h5").observable("evaluations").value;
+    ASSERT_EQ(curve.size(), 6u);
+    EXPECT_EQ(curve[0], 0);
+    // Geometry and forces of a step that is in balance as it begins; blocks, one product and forces of any other.
+    for (std::size_t k = 1; k < curve.size(); ++k) EXPECT_GE(curve[k], 2) << k;
+    EXPECT_EQ(static_cast<double>(counted), std::accumulate(curve.begin(), curve.end(), 0.0));
+    EXPECT_GT(evaluations(quasi_static(load, "strain_per_step = 8e-3\nmax_imbalance = 1e-3\n"), true), 1.5 * counted);
+    EXPECT_LT(evaluations(five, false), 2 * counted) << "those of the relaxation do not count";
+    EXPECT_GT(come_to_rest(block(5), five, {}, MPI_COMM_WORLD).cost.evaluations, 20);
+
+    Scene explicit_steps = five;
+    explicit_steps.scheme = Scheme::explicit_steps;
+    explicit_steps.strain_per_step.reset();
+    explicit_steps.steps.front().strain = -1e-4;
+    EXPECT_EQ(evaluations(explicit_steps, true), 0);
+    EXPECT_THROW(RunReader(folder / "run.h5").observable("evaluations"), InvalidInput);
 }
 
 TEST(CompileModel, OfQuasiStaticStepsLimitsTheWayOfThePlanes) {
