@@ -19,6 +19,13 @@ constexpr int most_outer = 60;
 constexpr int most_inner = 300;
 /// How far a linear system is solved, relative to its right side: no farther than the viscosities are worth.
 constexpr double loosest = 0.5, tightest = 0.1;
+/// A balance that the viscosities of a motion leave above that share of the one before was solved for too loosely.
+constexpr double slow = 0.7, most_care = 0.05;
+/// Motions after which no balance is in sight, if none of them got below that share of the best before.
+constexpr int most_tried = 10;
+constexpr double stalled = 0.9;
+/// Power of the forces against a motion, over that for it before, that is no overshoot.
+constexpr double most_overshoot = 0.5;
 /// Halvings of a motion that does not bring the forces nearer to balance.
 constexpr int most_halvings = 6;
 /// Shortest part of a step: below it the run stops.
@@ -157,6 +164,8 @@ void NortonFlow::find_forces() {
     ++work_.forces;
     std::copy_n(forces_.net(), local_count_, net_.begin());
     add_walls(velocity_.data(), true, net_.data());
+    // The law keeps a sample's angular momentum in the mean only: what would turn it as a whole, nothing can balance.
+    rigid_.remove(net_, surroundings());
     double norms[2] = {dot(net_, net_, local_count_), 0};
     for (int i = 0; i < local_count_; ++i) norms[1] += static_cast<double>(net_[i][3]) * net_[i][3];
     surroundings().add_up(norms, 2);
@@ -229,6 +238,7 @@ void NortonFlow::find_motion(double tolerance) {
         ++work_.products;
         std::copy_n(forces_.change(), local_count_, step_.begin());
         add_walls(direction_.data(), false, step_.data());
+        rigid_.remove(step_, surroundings());
         double against = -dot(direction_, step_, local_count_);
         surroundings().add_up(&against, 1);
         if (!(against > 0)) {
@@ -243,27 +253,45 @@ void NortonFlow::find_motion(double tolerance) {
     }
 }
 
+/// Power of the forces along the motion.
+double NortonFlow::along_motion() const {
+    double power = dot(net_, motion_, local_count_);
+    surroundings().add_up(&power, 1);
+    return power;
+}
+
 /// @return whether the forces are in balance
 bool NortonFlow::balance() {
     find_forces();
     bool prepared = false;
+    double care = 1, best = net_norm_;
+    int tried = 0;
     std::vector<std::array<double, 3>> from;
     for (int outer = 0; !is_balanced(); ++outer) {
         if (outer == most_outer || !std::isfinite(net_norm_) || !std::isfinite(load_norm_)) return false;
         if (!prepared) prepare();
         prepared = true;
         const double wanted = load_norm_ > 0 ? 0.5 * imbalance_ * load_norm_ / net_norm_ : 0;
-        find_motion(std::clamp(wanted, tightest, loosest));
+        find_motion(care * std::clamp(wanted, tightest, loosest));
         rigid_.remove(motion_, surroundings());
         from.assign(found_.begin(), found_.begin() + local_count_);
-        const double before = net_norm_;
+        const double before = net_norm_, power = along_motion();
         double length = 1;
         for (int halvings = 0;; ++halvings) {
             for (int i = 0; i < local_count_; ++i)
                 for (int c = 0; c < 3; ++c) found_[i][c] = from[i][c] + length * motion_[i][c];
             find_forces();
-            if (net_norm_ < (1 - 1e-3 * length) * before || halvings == most_halvings) break;
+            if (net_norm_ < (1 - 1e-3 * length) * before || along_motion() > -most_overshoot * power ||
+                halvings == most_halvings)
+                break;
             length /= 2;
+        }
+        if (net_norm_ > slow * before) care = std::max(care / 2, most_care);
+        if (net_norm_ < stalled * best) {
+            best = net_norm_;
+            tried = 0;
+        } else if (++tried == most_tried) {
+            return false;
         }
     }
     return true;

@@ -54,6 +54,7 @@ class NortonFlow final : public PairKernel {
     bool is_balanced() const { return net_norm_ <= imbalance_ * load_norm_; }
     void find_forces();
     void find_motion(double tolerance);
+    double along_motion() const;
     void prepare();
     double precondition(double& along);
     void add_walls(const Four* motion, bool whole, Four* force) const;
