@@ -19,6 +19,11 @@ constexpr int most_outer = 60;
 constexpr int most_inner = 300;
 /// How far a linear system is solved, relative to its right side: no farther than the viscosities are worth.
 constexpr double loosest = 0.5, tightest = 0.1;
+/// A balance that the viscosities of a motion leave above that share of the one before was solved for too loosely.
+constexpr double slow = 0.7, most_care = 0.05;
+/// Motions after which no balance is in sight, if none of them got below that share of the best before.
+constexpr int most_tried = 10;
+constexpr double stalled = 0.9;
 /// A motion at frozen viscosities lowers the dissipated power, of which the forces are the gradient, but not always the
 /// norm of the forces at once: how much more there may be of it, and how often the motion is halved if there is.
 constexpr double most_growth = 2;
@@ -159,6 +164,7 @@ void NortonFlow::find_forces() {
     ++work_.forces;
     std::copy_n(forces_.net(), local_count_, net_.begin());
     add_walls(velocity_.data(), true, net_.data());
+    // The law keeps a sample's angular momentum in the mean only: what would turn it as a whole, nothing can balance.
     rigid_.remove(net_, surroundings());
     double norms[2] = {dot(net_, net_, local_count_), 0};
     for (int i = 0; i < local_count_; ++i) norms[1] += static_cast<double>(net_[i][3]) * net_[i][3];
@@ -252,13 +258,15 @@ void NortonFlow::find_motion(double tolerance) {
 bool NortonFlow::balance() {
     find_forces();
     bool prepared = false;
+    double care = 1, best = net_norm_;
+    int tried = 0;
     std::vector<std::array<double, 3>> from;
     for (int outer = 0; !is_balanced(); ++outer) {
         if (outer == most_outer || !std::isfinite(net_norm_) || !std::isfinite(load_norm_)) return false;
         if (!prepared) prepare();
         prepared = true;
         const double wanted = load_norm_ > 0 ? 0.5 * imbalance_ * load_norm_ / net_norm_ : 0;
-        find_motion(std::clamp(wanted, tightest, loosest));
+        find_motion(care * std::clamp(wanted, tightest, loosest));
         from.assign(found_.begin(), found_.begin() + local_count_);
         const double before = net_norm_;
         double length = 1;
@@ -268,6 +276,13 @@ bool NortonFlow::balance() {
             find_forces();
             if (net_norm_ < most_growth * before || halvings == most_halvings) break;
             length /= 2;
+        }
+        if (net_norm_ > slow * before) care = std::max(care / 2, most_care);
+        if (net_norm_ < stalled * best) {
+            best = net_norm_;
+            tried = 0;
+        } else if (++tried == most_tried) {
+            return false;
         }
     }
     return true;
