@@ -61,6 +61,14 @@ double Law::relaxation_time_step(const Model& model) const {
     return model.time_step;
 }
 
+double Law::evaluations(const Model&, double, double steps) const {
+    return steps;
+}
+
+double Law::evaluations_at_rest(const Model&) const {
+    return 1;
+}
+
 double Law::steps_of_a_relaxation_period(const Model&) const {
     return relaxation_steps_per_period;
 }

@@ -91,6 +91,10 @@ class Law {
     virtual void warn(const Scene& scene, const Model& model, Reporter& reporter) const;
     /// Of the steps while a sample comes to rest [s].
     virtual double relaxation_time_step(const Model& model) const;
+    /// Computations of all pair forces that so many steps of a load take, from its start: one each, of explicit ones.
+    virtual double evaluations(const Model& model, double particles, double steps) const;
+    /// Of the same, a step while a sample comes to rest.
+    virtual double evaluations_at_rest(const Model& model) const;
     /// Time steps of one period of a relaxation.
     virtual double steps_of_a_relaxation_period(const Model& model) const;
 

@@ -133,11 +133,6 @@ Model compile_model(const Scene& scene, const Packing& sample, std::optional<dou
     return model;
 }
 
-double evaluations_per_step(const Model& model) {
-    constexpr double of_solution = 12, of_geometry = 3;
-    return model.scheme == Scheme::quasi_static ? of_solution + of_geometry : 1;
-}
-
 std::int64_t relaxation_steps(const Model& model, double periods) {
     return static_cast<std::int64_t>(std::ceil(periods * model.law->steps_of_a_relaxation_period(model)));
 }

@@ -72,10 +72,6 @@ inline constexpr double seating_periods = 20;
 /// Time steps of one period of a relaxation, of a law that does not ask for others: all particles swing with it.
 inline constexpr double relaxation_steps_per_period = 20;
 
-/// Computations of all pair forces that a time step costs, in the mean: one of an explicit step; those of the solution
-/// and what the geometry of the step costs once, of a quasi-static one.
-double evaluations_per_step(const Model& model);
-
 /// Steps of a relaxation of so many periods.
 std::int64_t relaxation_steps(const Model& model, double periods);
 

@@ -83,11 +83,15 @@ Explanation explain(const Packing& sample, const Scene& scene, const Continuatio
     found.time_step = model.time_step;
     found.time_step_reason = model.law->time_step_reason(scene, model);
     for (const LoadSegment& segment : path) found.steps += segment.steps;
+    const double of_load =
+        model.law->evaluations(model, static_cast<double>(sample.size()), static_cast<double>(found.steps));
+    const std::int64_t load_steps = found.steps;
     if (!sample.relaxed)
         found.steps += relaxation_steps(model, expected_relaxation_periods(static_cast<std::int64_t>(sample.size())));
     if (model.law->traits().planes_pull && before == nullptr) found.steps += relaxation_steps(model, seating_periods);
-    if (model.scheme == Scheme::quasi_static)
-        found.evaluations = std::llround(static_cast<double>(found.steps) * evaluations_per_step(model));
+    const double of_run =
+        of_load + model.law->evaluations_at_rest(model) * static_cast<double>(found.steps - load_steps);
+    if (model.scheme == Scheme::quasi_static) found.evaluations = std::llround(of_load);
 
     plugin::Simulation simulation(sample, model, scene.axis, communicator);
     if (!scene.steps.empty()) simulation.place_planes();
@@ -95,6 +99,7 @@ Explanation explain(const Packing& sample, const Scene& scene, const Continuatio
     simulation.set_loading(path.front());
     simulation.run(0);
     const double set_up = meter.cost(0, 0).wall_seconds;
+    const std::int64_t evaluations_before = simulation.evaluations();
     double seconds = 0;
     std::int64_t done = 0, piece = 4;
     const auto begun = std::chrono::steady_clock::now();
@@ -108,7 +113,9 @@ Explanation explain(const Packing& sample, const Scene& scene, const Continuatio
     }
     const Cost cost = meter.cost(done, 0);
     found.processes = cost.processes;
-    found.wall_seconds = set_up + seconds / static_cast<double>(done) * static_cast<double>(found.steps);
+    // The first quasi-static steps take many more evaluations than the others.
+    const std::int64_t evaluations = simulation.evaluations() - evaluations_before;
+    found.wall_seconds = set_up + seconds / static_cast<double>(evaluations > 0 ? evaluations : done) * of_run;
     found.seconds_per_particle_step =
         seconds / static_cast<double>(done) * cost.processes / static_cast<double>(sample.size());
     found.peak_bytes = cost.peak_bytes;

@@ -28,8 +28,9 @@ struct Explanation {
     std::int64_t particles = 0;
     double time_step = 0;  ///< s
     std::string time_step_reason;
-    std::int64_t steps = 0;        ///< of relaxation and loading
-    std::int64_t evaluations = 0;  ///< of all pair forces in these steps, where a step takes several; 0: it takes one
+    std::int64_t steps = 0;  ///< of relaxation and loading
+    std::int64_t evaluations =
+        0;  ///< of all pair forces in the steps of the load, where one takes several; 0: it takes one
     int processes = 1;
     double seconds_per_particle_step = 0;  ///< of one process, measured on this machine
     double wall_seconds = 0;

@@ -392,9 +392,10 @@ std::vector<CoarseStress> coarse_stresses(const ImageFeatures& image, const Scen
     coarse.particles = particles_of(image, coarse.seed_radius, density);
     if (curve != trade->second.curve.end()) try {
             const Model model = compile_model(scene, outline(image, coarse.seed_radius));
-            coarse.cpu_seconds = curve->second.particle_step * coarse.particles *
-                                     static_cast<double>(steps_of(scene, model)) * evaluations_per_step(model) +
-                                 prepare_seconds_of(curve->second, coarse.particles);
+            coarse.cpu_seconds =
+                curve->second.particle_step * coarse.particles *
+                    model.law->evaluations(model, coarse.particles, static_cast<double>(steps_of(scene, model))) +
+                prepare_seconds_of(curve->second, coarse.particles);
         } catch (const InvalidInput&) {
             // solve says what the scene cannot do; what it would cost is not known then.
         }
