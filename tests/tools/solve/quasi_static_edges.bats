@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# The quasi-static scheme of law NORTON at its edges: periodic sides, jumps of the rate, a tight balance, a stop.
+# The quasi-static scheme of law NORTON at its edges: periodic sides, jumps of the rate, a tight balance, a killed run.
 load common
 
 # flow_scene FILE M LATERAL STEPS [ACCURACY]
@@ -69,8 +69,9 @@ END
     solve sample.h5 scene.toml whole.h5 --quiet --checkpoint-every 0.0001
     solve sample.h5 scene.toml run.h5 --quiet --checkpoint-every 0.0001 &
     for _ in $(seq 400); do [ -e run.h5.checkpoint ] && break; sleep 0.02; done
-    kill -9 $! || true
+    kill -9 $!
     wait $! || true
+    [ ! -e run.h5 ]
     solve sample.h5 scene.toml run.h5 --quiet --resume
     /usr/bin/python3 - <<'END'
 import h5py
