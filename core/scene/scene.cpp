@@ -299,9 +299,10 @@ void read_scheme(TomlReader& reader, Scene& scene) {
         reader.fail(
             scene.load_line,
             "initiation in [load] smooths a transient, which scheme = \"quasi_static\" does not have: remove it");
-    if (std::isfinite(scene.healing_time))
+    if (scene.self_contact)
         reader.fail(node,
-                    "healing_time in [contact] counts explicit time steps: remove it, or scheme = \"quasi_static\"");
+                    "self_contact in [contact] needs the memory of pairs that explicit steps keep: remove it, or "
+                    "scheme = \"quasi_static\"");
 }
 
 void read_accuracy(TomlReader reader, Scene& scene) {

@@ -159,8 +159,8 @@ TEST(Scene, IsQuasiStaticUnderNortonWhereItSaysSo) {
     expect_refused(viscous("max_imbalance = 1e-3", "bilin"), "8", "goes with scheme = \"quasi_static\"");
     expect_refused(viscous("strain_per_step = 1e-3"), "8", "or scheme = \"quasi_static\"");
     expect_refused(viscous(scheme, "norton", "initiation = { strain = 0.01 }\n"), "5", "smooths a transient");
-    expect_refused(viscous(scheme, "norton", "", "[contact]\nself_contact = true\nhealing_time = 5\n"), "11",
-                   "counts explicit time steps");
+    expect_refused(viscous(scheme, "norton", "", "[contact]\nself_contact = true\n"), "10",
+                   "needs the memory of pairs that explicit steps keep");
 }
 
 TEST(Scene, SaysTheNewNameOfAKeyThatWasRenamed) {
