@@ -338,10 +338,10 @@ void FlowForces::add_pushes(const Four* velocity, bool whole) {
     }
 }
 
-void FlowForces::place(const ParticleView& particles) {
+void FlowForces::place(const ParticleView& particles, bool renumbered) {
     local_count_ = particles.local_count;
     count_ = particles.count;
-    pairs_.find(particles, C::crown * law_.seed_diameter);
+    pairs_.find(particles, C::crown * law_.seed_diameter, renumbered);
     type_.resize(static_cast<std::size_t>(local_count_));
     for (int i = 0; i < local_count_; ++i) type_[i] = static_cast<std::uint8_t>(particles.type[i] - 1);
     const auto count = static_cast<std::size_t>(count_);

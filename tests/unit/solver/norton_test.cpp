@@ -105,27 +105,33 @@ std::vector<Vec3> expected_forces(const Packing& packing, const Model& model, co
     return forces;
 }
 
-TEST(Norton, ForcesAreThoseOfTheFormulasOnAnyNumberOfProcesses) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
-    const Packing packing = sample();
+/// Largest difference over the largest force.
+double error_of_forces(const Packing& packing) {
     const Model model = model_of(packing);
     const std::vector<Vec3> velocities = stirred(packing);
     Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
     const std::vector<Vec3> forces = plugin::SimulationProbe(simulation).forces_at(velocities);
-    if (rank() != 0) return;
+    if (rank() != 0) return 0;
     const std::vector<Vec3> expected = expected_forces(packing, model, velocities);
     double largest = 0, difference = 0;
     for (std::size_t k = 0; k < forces.size(); ++k) {
         largest = std::max(largest, expected[k].norm());
         difference = std::max(difference, (forces[k] - expected[k]).norm());
     }
-    EXPECT_LT(difference, 1e-12 * largest);
+    return difference / largest;
+}
+
+TEST(Norton, ForcesAreThoseOfTheFormulasOnAnyNumberOfProcesses) {
+    Packing packing = sample();
+    // Where two objects just touch, the corner of their repulsion is rounded.
+    EXPECT_LT(error_of_forces(packing), 1e-3);
+    packing.object.assign(packing.size(), 1);
+    EXPECT_LT(error_of_forces(packing), 1e-5) << "of single precision";
 }
 
 TEST(Norton, StepsAreThoseOfOneProcess) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     const Packing packing = sample();
-    const Model model = model_of(packing, "self_contact = true");
+    const Model model = model_of(packing);
     const auto pressed = [&](MPI_Comm communicator) {
         Simulation simulation(packing, model, 2, communicator);
         simulation.place_planes();
@@ -142,7 +148,8 @@ TEST(Norton, StepsAreThoseOfOneProcess) {
         way = std::max(way, (alone[k] - packing.position[k]).norm());
     }
     EXPECT_GT(way, 0.05);
-    EXPECT_LT(difference, 1e-9);
+    // Sums in another order, in single precision.
+    EXPECT_LT(difference, 1e-5 * way);
 }
 
 /// Of the whole sample, in its order, on every process.
@@ -170,7 +177,6 @@ Packing at_rest(Packing packing, const std::string& contact) {
 }
 
 TEST(Norton, VelocitiesThatAreFoundBalanceTheForcesOfTheFormulas) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     Packing packing = sample();
     packing.object.assign(packing.size(), 1);
     packing = at_rest(packing, "");
@@ -198,7 +204,6 @@ TEST(Norton, VelocitiesThatAreFoundBalanceTheForcesOfTheFormulas) {
 }
 
 TEST(Norton, QuasiStaticStepsAreThoseOfOneProcess) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     const Packing packing = at_rest(sample(), "");
     const auto pressed = [&](MPI_Comm communicator) {
         Simulation simulation(packing, quasi_static(packing, "", 8e-3, 1e-3), 2, communicator);
@@ -222,7 +227,6 @@ TEST(Norton, QuasiStaticStepsAreThoseOfOneProcess) {
 }
 
 TEST(Norton, QuasiStaticStepsHaveTheStressOfTheExplicitOnes) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     const Packing packing = sample();
     const auto force_at_strain = [&](const Model& model, double time_step, double strain, double window) {
         Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
@@ -241,7 +245,6 @@ TEST(Norton, QuasiStaticStepsHaveTheStressOfTheExplicitOnes) {
 }
 
 TEST(Norton, TheVelocitiesToBeFoundAreGuessedFromThoseOfTheRateBefore) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     const Packing packing = sample();
     Model model = model_of(packing);
     model.scheme = Scheme::quasi_static;
@@ -264,7 +267,6 @@ TEST(Norton, TheVelocitiesToBeFoundAreGuessedFromThoseOfTheRateBefore) {
 }
 
 TEST(Norton, ASampleBeginsWithTheFlowAndIsRefusedWhenItHeats) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     const Packing packing = sample();
     Simulation simulation(packing, model_of(packing), 2, MPI_COMM_WORLD);
     simulation.place_planes();
