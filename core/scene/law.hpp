@@ -39,6 +39,7 @@ struct LawTraits {
     bool planes_pull = false;         ///< faces are placed where planes find enough to hold, and the sample rests there
     bool starts_with_the_flow = false;  ///< particles are given the velocities of a flow that the planes begin
     bool quasi_static = false;          ///< the velocities at which its forces balance can be found (Scheme)
+    bool self_contact = true;           ///< its pairs remember whether two surfaces met there
     Damping damping = Damping::drag;    ///< of a sample that comes to rest
 
     double max_energy_ratio = 1e-5;   ///< at rest: kinetic over elastic energy (docs/relaxation.md)

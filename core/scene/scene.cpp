@@ -299,10 +299,6 @@ void read_scheme(TomlReader& reader, Scene& scene) {
         reader.fail(
             scene.load_line,
             "initiation in [load] smooths a transient, which scheme = \"quasi_static\" does not have: remove it");
-    if (scene.self_contact)
-        reader.fail(node,
-                    "self_contact in [contact] needs the memory of pairs that explicit steps keep: remove it, or "
-                    "scheme = \"quasi_static\"");
 }
 
 void read_accuracy(TomlReader reader, Scene& scene) {
@@ -509,10 +505,24 @@ Scene scene_of(const toml::table& root, const std::string& text, const std::stri
     return scene;
 }
 
+/// Not in a stored scene: runs of earlier versions that had it can still be measured.
+void refuse_self_contact(const toml::table& root, const Scene& scene, const std::string& name) {
+    if (!scene.self_contact || scene.law().traits().self_contact) return;
+    TomlReader reader(root, "the scene", scene_called(name));
+    auto contact = reader.table("contact", "[contact]");
+    contact->fail(
+        *contact->find("self_contact"),
+        fmt::format("law \"{}\" cannot tell surfaces that meet from the pairs inside: remove self_contact, or "
+                    "take law \"trilin\"",
+                    scene.law().name()));
+}
+
 }  // namespace
 
 Scene parse_scene(const std::string& text, const std::string& name) {
-    Scene scene = scene_of(parse_toml(text, scene_called(name)), text, name);
+    const toml::table root = parse_toml(text, scene_called(name));
+    Scene scene = scene_of(root, text, name);
+    refuse_self_contact(root, scene, name);
     if (!scene.unusual_values) refuse_unusual_values(scene);
     return scene;
 }

@@ -151,7 +151,7 @@ Scene read_scene(const std::filesystem::path& path);
 Scene parse_scene(const std::string& text, const std::string& name);
 
 /// As parse_scene, for the text that a run file holds: it has been accepted once, so keys of earlier versions are
-/// known by their old names, and unusual values are not refused.
+/// known by their old names, and neither unusual values nor self-contact under NORTON are refused.
 Scene parse_stored_scene(const std::string& text, const std::string& name);
 
 }  // namespace tomodem

@@ -60,11 +60,15 @@ void LawPair::init_granular() {
     if (force->newton_pair) error->all(FLERR, (name + " needs 'newton off'").c_str());
     if (!given_) refuse_in_script([&] { solver_law_->connect(force->registry, name.c_str()); });
     // What a kernel looks for itself, LIGGGHTS need not; where it is asked for energies it does.
-    if ((kernel().packed() != nullptr || kernel().finds_velocities()) && given_)
+    if (kernel().finds_pairs() && given_)
         for (int k = 0; k < neighbor->nrequest; ++k)
             if (neighbor->requests[k]->requestor == owner_) neighbor->requests[k]->occasional = 1;
     const int fix = modify->find_fix("contact");
     contact_ = fix < 0 ? nullptr : dynamic_cast<FixContact*>(modify->fix[fix]);
+    if (contact_ != nullptr && !law_.traits().self_contact)
+        error->all(FLERR, (name + " cannot tell surfaces that meet from the pairs inside: remove fix contact, or take "
+                                  "model trilin")
+                              .c_str());
     if (kernel().exchanged() == 0) return;
     if (modify->find_fix("tomodem_exchange") < 0) {
         std::string words[] = {"tomodem_exchange", "all", "tomodem/exchange"};

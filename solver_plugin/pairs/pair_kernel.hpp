@@ -72,6 +72,8 @@ class PairKernel {
     /// Where the kernel keeps particles and a list of its own; null: it runs over the list that it is given.
     virtual PackedParticles* packed() { return nullptr; }
     const PackedParticles* packed() const { return const_cast<PairKernel*>(this)->packed(); }
+    /// Whether the kernel looks for its pairs itself: nobody need list them for it.
+    virtual bool finds_pairs() const { return packed() != nullptr; }
 
     /// Adds the forces of all pairs to those of the local particles. Here: those of pair_forces(), without
     /// self-contact.

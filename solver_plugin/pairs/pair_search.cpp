@@ -1,12 +1,10 @@
 #include "solver_plugin/pairs/pair_search.hpp"
 
-#include <immintrin.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstring>
 
-#define TOMODEM_AVX2 __attribute__((target("avx2,fma")))
+#include "solver_plugin/pairs/two_processors.hpp"
 
 namespace tomodem::plugin {
 namespace {
@@ -14,14 +12,12 @@ namespace {
 constexpr int lanes = 8;
 constexpr float far_away = 1e18F;
 
-/// For each set of lanes, their numbers from the front.
-constexpr auto gathers = [] {
-    std::array<std::array<std::uint8_t, lanes>, 256> table{};
-    for (unsigned set = 0; set < table.size(); ++set)
-        for (unsigned lane = 0, filled = 0; lane < lanes; ++lane)
-            if ((set >> lane & 1U) != 0) table[set][filled++] = static_cast<std::uint8_t>(lane);
-    return table;
-}();
+typedef float Floats __attribute__((vector_size(4 * lanes)));
+typedef std::int32_t Ints __attribute__((vector_size(4 * lanes)));
+
+TOMODEM_INLINE Floats all(float x) {
+    return Floats{x, x, x, x, x, x, x, x};
+}
 
 }  // namespace
 
@@ -147,31 +143,32 @@ void PairSearch::enter(int cell) {
         }
 }
 
-TOMODEM_AVX2 int PairSearch::search(const Run& run, const float* at, std::int32_t* found, int count) const {
-    const __m256 x = _mm256_set1_ps(at[0]), y = _mm256_set1_ps(at[1]), z = _mm256_set1_ps(at[2]);
-    const __m256 reach_squared = _mm256_set1_ps(reach_squared_);
-    const float* const xs = run.particles->coordinate[0].data();
-    const float* const ys = run.particles->coordinate[1].data();
-    const float* const zs = run.particles->coordinate[2].data();
+TOMODEM_TWO_PROCESSORS int PairSearch::search(const Run& run, const float* at, std::int32_t* found, int count) const {
+    const Floats here[3] = {all(at[0]), all(at[1]), all(at[2])};
+    const Floats reach_squared = all(reach_squared_);
+    const float* const coordinate[3] = {run.particles->coordinate[0].data(), run.particles->coordinate[1].data(),
+                                        run.particles->coordinate[2].data()};
     const std::int32_t* const index = run.particles->index.data();
     for (int k = run.begin; k < run.end; k += lanes) {
-        const __m256 dx = _mm256_sub_ps(_mm256_loadu_ps(xs + k), x);
-        const __m256 dy = _mm256_sub_ps(_mm256_loadu_ps(ys + k), y);
-        const __m256 dz = _mm256_sub_ps(_mm256_loadu_ps(zs + k), z);
-        const __m256 squared = _mm256_fmadd_ps(dz, dz, _mm256_fmadd_ps(dy, dy, _mm256_mul_ps(dx, dx)));
-        auto near = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(squared, reach_squared, _CMP_LT_OQ)));
-        if (run.end - k < lanes) near &= (1U << (run.end - k)) - 1;
-        const __m256i front =
-            _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(gathers[near].data())));
-        const __m256i packed =
-            _mm256_permutevar8x32_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(index + k)), front);
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(found + count), packed);
-        count += __builtin_popcount(near);
+        Floats squared{};
+        for (int axis = 0; axis < 3; ++axis) {
+            Floats way;
+            std::memcpy(&way, coordinate[axis] + k, sizeof way);
+            way -= here[axis];
+            squared += way * way;
+        }
+        const Ints near = squared < reach_squared;  // -1 or 0
+        // Every one is written, and the next one over it unless it is near.
+        const int behind = std::min(lanes, run.end - k);
+        for (int lane = 0; lane < behind; ++lane) {
+            found[count] = index[k + lane];
+            count -= near[lane];
+        }
     }
     return count;
 }
 
-TOMODEM_AVX2 int PairSearch::find(int slot, std::int32_t* found) const {
+int PairSearch::find(int slot, std::int32_t* found) const {
     const float at[3] = {local_.coordinate[0][slot], local_.coordinate[1][slot], local_.coordinate[2][slot]};
     int count = search({&local_, slot + 1, own_end_}, at, found, 0);
     for (int k = 0; k < run_count_; ++k) count = search(runs_[k], at, found, count);

@@ -4,7 +4,7 @@
 
 namespace tomodem::plugin {
 
-/// Finds pairs of particles within reach: cells as wide as the reach, eight candidates at once (AVX2). A pair that is
+/// Finds pairs of particles within reach: cells as wide as the reach, eight candidates at once. A pair that is
 /// farther than the reach by a rounding error of single precision may be found too, none within is missed.
 ///
 /// sort(); then for every cell enter(cell), and for every slot of it find(slot).

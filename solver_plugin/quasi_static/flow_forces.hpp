@@ -27,8 +27,11 @@ class FlowForces {
     const law::Norton& law() const { return law_; }
     void set_carry(Carry carry) { carry_ = std::move(carry); }
 
+    /// Skin of the pairs, for particles that move little from one place() to the next [mm].
+    void set_skin(double skin) { pairs_.set_skin(skin); }
     /// Pairs, fabric and pressure where the particles are now; after it comes correct().
-    void place(const ParticleView& particles);
+    /// @param renumbered  whether particles or ghosts are others than in the call before
+    void place(const ParticleView& particles, bool renumbered = true);
     /// How long the particles will move with the velocities that are sought [s].
     void set_interval(double interval) { interval_ = static_cast<float>(interval); }
     /// The walls near the particles.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "core/base/error.hpp"
 
@@ -70,21 +69,6 @@ NortonFlow::NortonFlow() {
 void NortonFlow::set_law(const law::Norton& law, double imbalance) {
     forces_.set_law(law);
     imbalance_ = imbalance;
-}
-
-void NortonFlow::carry(void* first, std::size_t stride, std::size_t size) {
-    carried_ = static_cast<char*>(first);
-    stride_ = stride;
-    carried_size_ = size;
-    exchange();
-}
-
-void NortonFlow::pack(int i, double* numbers) const {
-    std::memcpy(numbers, carried_ + static_cast<std::size_t>(i) * stride_, carried_size_);
-}
-
-void NortonFlow::unpack(int i, const double* numbers) {
-    std::memcpy(carried_ + static_cast<std::size_t>(i) * stride_, numbers, carried_size_);
 }
 
 double NortonFlow::plane_reach(double) const {

@@ -3,16 +3,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "solver_plugin/pairs/pair_kernel.hpp"
 #include "solver_plugin/quasi_static/coarse_grid.hpp"
 #include "solver_plugin/quasi_static/flow_forces.hpp"
+#include "solver_plugin/quasi_static/flow_kernel.hpp"
 #include "solver_plugin/quasi_static/rigid_motion.hpp"
 
 namespace tomodem::plugin {
 
 /// Law NORTON without inertia: in each step, the velocities at which all forces balance, found by a conjugate gradient
 /// with lagged viscosities (docs/norton.md).
-class NortonFlow final : public PairKernel {
+class NortonFlow final : public FlowKernel {
  public:
     NortonFlow();
 
@@ -32,10 +32,6 @@ class NortonFlow final : public PairKernel {
     double plane_reach(double radius) const override;
     double face() const override { return law().seed_diameter / 2; }
     double seed_energy(const ParticleView& particles, const NeighbourView& list) const override;
-    int exchanged() const override { return 12; }
-    int carried() const override { return static_cast<int>((carried_size_ + sizeof(double) - 1) / sizeof(double)); }
-    void pack(int i, double* numbers) const override;
-    void unpack(int i, const double* numbers) override;
 
  private:
     const law::Norton& law() const { return forces_.law(); }
@@ -47,7 +43,6 @@ class NortonFlow final : public PairKernel {
     void find_motion(double tolerance);
     void prepare();
     double precondition(double& along);
-    void carry(void* first, std::size_t stride, std::size_t size);
 
     FlowForces forces_;
     CoarseGrid grid_;
@@ -67,9 +62,6 @@ class NortonFlow final : public PairKernel {
     std::vector<Four> rest_, step_, direction_, motion_;  ///< of the linear system
     std::vector<FlowForces::Block> blocks_;               ///< inverses
     std::vector<double> nodes_;
-
-    char* carried_ = nullptr;
-    std::size_t stride_ = 0, carried_size_ = 0;
 };
 
 }  // namespace tomodem::plugin

@@ -99,12 +99,6 @@ void check_continuation(const Continuation& before, const Scene& next) {
     require_same("radius_dispersion", last.radius_dispersion, next.radius_dispersion);
     require_same("objects_only_push", last.objects_only_push, next.objects_only_push);
     require_same("axis", "xyz"[last.axis], "xyz"[next.axis]);
-    if (std::isfinite(next.healing_time) && last.scheme == Scheme::quasi_static)
-        throw InvalidInput(
-            fmt::format("scene '{}' has a healing_time, but the run '{}' was quasi-static, which keeps no age of its "
-                        "contacts; remove "
-                        "healing_time",
-                        next.path.string(), before.run.string()));
     require_same("lateral", std::string(name_of(last.lateral)), std::string(name_of(next.lateral)));
     if (labels_of(last) != labels_of(next))
         throw InvalidInput(

@@ -98,6 +98,7 @@ class NortonLaw final : public Law {
                .planes_pull = true,
                .starts_with_the_flow = true,
                .quasi_static = true,
+               .self_contact = false,
                .damping = Damping::law,
                .max_energy_ratio = 1e-3,
                .max_force_balance = 1e-2,
@@ -247,15 +248,10 @@ class NortonLaw final : public Law {
                    : fmt::format("the period of the elastic cores, with {}", inertia);
     }
 
-    /// NORTON's packings are too loose for N_mag (docs/norton.md).
     void warn(const Scene& scene, const Model& model, Reporter& reporter) const override {
         if (model.scheme == Scheme::explicit_steps && inertia_share(scene) > large_equilibrium_error)
             reporter.warn(fmt::format("{} = {:g} lets inertia carry that share of the load: take {:g}, the default",
                                       inertia_key, inertia_share(scene), usual_inertia_share));
-        if (model.self_contact)
-            reporter.warn(
-                "self_contact does not work under law \"norton\": its packings are loose, contacts inside are taken "
-                "for surfaces that meet, and the sample tears when it is pulled; take law \"trilin\"");
     }
 
     /// Quasi-static steps take a whole period each.

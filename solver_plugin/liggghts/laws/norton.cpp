@@ -9,9 +9,8 @@
 // behind the headers of LIGGGHTS
 #include "solver_plugin/liggghts/laws/script_properties.hpp"
 #include "solver_plugin/liggghts/solver_law.hpp"
-#include "solver_plugin/pairs/norton_pairs.hpp"
-#include "solver_plugin/pairs/vector_pairs.hpp"
 #include "solver_plugin/quasi_static/norton_flow.hpp"
+#include "solver_plugin/quasi_static/norton_steps.hpp"
 
 namespace tomodem::plugin {
 namespace {
@@ -20,12 +19,7 @@ namespace {
 /// scalar, the strain rate of the load [1/time], which the elastic parts and the film at walls go by.
 class NortonSolverLaw final : public SolverLaw {
  public:
-    NortonSolverLaw() {
-        if (!VectorPairs::supported())
-            throw InvalidInput("law \"norton\" needs a processor with AVX2 and FMA, as x86-64 ones have since 2013");
-    }
-
-    PairKernel& kernel() override { return flow_ ? static_cast<PairKernel&>(*flow_) : pairs_; }
+    PairKernel& kernel() override { return flow_ ? static_cast<PairKernel&>(*flow_) : steps_; }
 
     void use(const PresentModel& present) override {
         law::Norton law = norton_of(present.model);
@@ -38,7 +32,7 @@ class NortonSolverLaw final : public SolverLaw {
             if (!flow_) flow_ = std::make_unique<NortonFlow>();
             flow_->set_law(law, present.model.imbalance);
         } else {
-            pairs_.set_law(law, norton_law().traits().list_skin);
+            steps_.set_law(law, norton_law().traits().list_skin);
         }
     }
 
@@ -63,13 +57,13 @@ class NortonSolverLaw final : public SolverLaw {
             law.materials.push_back({own, sensitivity_[type], own * std::pow(flow_rate_, sensitivity_[type])});
         }
         law.seed_diameter = 2 * crown / law::NortonConstants::crown;
-        pairs_.set_law(law, norton_law().traits().list_skin);
+        steps_.set_law(law, norton_law().traits().list_skin);
     }
 
  private:
     static constexpr char consistency[] = "consistency", sensitivity[] = "rateSensitivity", flow_rate[] = "flowRate";
 
-    NortonPairs pairs_;
+    NortonSteps steps_;
     std::unique_ptr<NortonFlow> flow_;  ///< of the quasi-static scheme, in its place
     double* consistency_ = nullptr;
     double* sensitivity_ = nullptr;

@@ -116,6 +116,15 @@ one, two = np.loadtxt("one.txt"), np.loadtxt("norton_plates.txt")
 assert np.allclose(one, two, rtol=1e-3)'
 }
 
+@test "norton of a script does not run without the self-contact that is asked for" {
+    sed '/^pair_coeff/a fix contact all tomodem/contact seed_radius 0.5' "$here/norton_plates.in" > asked.in
+    cp "$here/plate.stl" .
+    here=$PWD
+    run press asked liggghts
+    [ "$status" -ne 0 ]
+    grep -q 'model norton cannot tell surfaces that meet from the pairs inside: remove fix contact, or take model trilin' log.txt
+}
+
 @test "surfaces of a script that meet under self-contact part without a pull" {
     press two_blocks liggghts
     mv two_blocks.txt free.txt

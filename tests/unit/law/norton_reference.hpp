@@ -68,7 +68,7 @@ class NortonReference {
                     for (int b = 0; b < 3; ++b) virial[a][b] += 0.25 * (force[a] * away[b] + force[b] * away[a]);
                 trace += 0.5 * backed.dot(away);
             });
-            norton_correct(states[i], virial, trace);
+            norton_correct(law, states[i], virial, trace);
         }
     }
 
@@ -118,6 +118,7 @@ class NortonReference {
         for (int c = 0; c < 3; ++c) {
             sums.outward[c] += closeness * away[c] / away.norm();
             if (!same(i, j)) continue;
+            sums.of_own[c] += closeness * away[c] / away.norm();
             for (int b = 0; b < 3; ++b) sums.moment[c][b] += share * moving[c] * away[b];
             sums.diagonal[c] += share * away[c] * away[c];
             sums.off[c] += share * away[c] * away[(c + 1) % 3];

@@ -159,8 +159,15 @@ TEST(Scene, IsQuasiStaticUnderNortonWhereItSaysSo) {
     expect_refused(viscous("max_imbalance = 1e-3", "bilin"), "8", "goes with scheme = \"quasi_static\"");
     expect_refused(viscous("strain_per_step = 1e-3"), "8", "or scheme = \"quasi_static\"");
     expect_refused(viscous(scheme, "norton", "initiation = { strain = 0.01 }\n"), "5", "smooths a transient");
-    expect_refused(viscous(scheme, "norton", "", "[contact]\nself_contact = true\n"), "10",
-                   "needs the memory of pairs that explicit steps keep");
+}
+
+TEST(Scene, RefusesSelfContactUnderALawThatKeepsNoMemoryOfPairs) {
+    const std::string contact = "[contact]\nself_contact = true\n";
+    for (const std::string accuracy : {"", "scheme = \"quasi_static\"\n"})
+        expect_refused(viscous(accuracy, "norton", "", contact), "6", "remove self_contact, or take law \"trilin\"");
+    EXPECT_FALSE(parse_scene(viscous("", "norton", "", "[contact]\nself_contact = false\n"), "s").self_contact);
+    EXPECT_TRUE(parse_scene(viscous("", "trilin", "", contact), "s").self_contact);
+    EXPECT_TRUE(parse_stored_scene(viscous("", "norton", "", contact), "s").self_contact) << "of an earlier version";
 }
 
 TEST(Scene, SaysTheNewNameOfAKeyThatWasRenamed) {

@@ -20,7 +20,7 @@ struct DashpotModel : LawConstants {
 
 class DashpotLaw final : public Law {
  public:
-    DashpotLaw() : Law({.name = "dashpot", .feature = "dashpots"}) {}
+    DashpotLaw() : Law({.name = "dashpot", .feature = "dashpots", .self_contact = false}) {}
 
     void read_phase(TomlReader& reader, Phase& phase) const override {
         for (const char* key : {"repulsive_stiffness", "natural_period", "viscosity"}) {

@@ -80,14 +80,13 @@ law::NortonReference reference(const Packing& packing, const Model& model, const
     return reference;
 }
 
-TEST(Norton, ForcesAreThoseOfTheFormulasOnAnyNumberOfProcesses) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
-    const Packing packing = sample();
+/// Largest difference over the largest force.
+double error_of_forces(const Packing& packing) {
     const Model model = model_of(packing);
     const std::vector<Vec3> velocities = stirred(packing);
     Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
     const std::vector<Vec3> forces = plugin::SimulationProbe(simulation).forces_at(velocities);
-    if (rank() != 0) return;
+    if (rank() != 0) return 0;
     const law::NortonReference reference = tomodem::reference(packing, model, velocities);
     std::vector<Vec3> expected = reference.forces(reference.states());
     for (Vec3& force : expected) force *= std::pow(packing.seed_radius / model.seed_radius, 2);
@@ -96,13 +95,20 @@ TEST(Norton, ForcesAreThoseOfTheFormulasOnAnyNumberOfProcesses) {
         largest = std::max(largest, expected[k].norm());
         difference = std::max(difference, (forces[k] - expected[k]).norm());
     }
-    EXPECT_LT(difference, 1e-12 * largest);
+    return difference / largest;
+}
+
+TEST(Norton, ForcesAreThoseOfTheFormulasOnAnyNumberOfProcesses) {
+    Packing packing = sample();
+    // Where two objects just touch, the corner of their repulsion is rounded.
+    EXPECT_LT(error_of_forces(packing), 1e-3);
+    packing.object.assign(packing.size(), 1);
+    EXPECT_LT(error_of_forces(packing), 1e-5) << "of single precision";
 }
 
 TEST(Norton, StepsAreThoseOfOneProcess) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     const Packing packing = sample();
-    const Model model = model_of(packing, "self_contact = true");
+    const Model model = model_of(packing);
     const auto pressed = [&](MPI_Comm communicator) {
         Simulation simulation(packing, model, 2, communicator);
         simulation.place_planes();
@@ -119,7 +125,8 @@ TEST(Norton, StepsAreThoseOfOneProcess) {
         way = std::max(way, (alone[k] - packing.position[k]).norm());
     }
     EXPECT_GT(way, 0.05);
-    EXPECT_LT(difference, 1e-9);
+    // Sums in another order, in single precision.
+    EXPECT_LT(difference, 1e-5 * way);
 }
 
 /// Of the whole sample, in its order, on every process.
@@ -147,7 +154,6 @@ Packing at_rest(Packing packing, const std::string& contact) {
 }
 
 TEST(Norton, VelocitiesThatAreFoundBalanceTheForcesOfTheFormulas) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     Packing packing = sample();
     packing.object.assign(packing.size(), 1);
     packing = at_rest(packing, "");
@@ -157,7 +163,7 @@ TEST(Norton, VelocitiesThatAreFoundBalanceTheForcesOfTheFormulas) {
     simulation.place_planes();
     simulation.set_loading({.rate = {-1e-3}, .time_step = 1e-6});
     // What is taken from the tractions goes by the velocities of the step before: those of the same places here.
-    for (int step = 0; step < 3; ++step) simulation.run(0);
+    for (int step = 0; step < 3; ++step) simulation.run(1);
     std::vector<double> loads;
     law::NortonReference reference = tomodem::reference(packing, model, velocities_of(simulation, packing));
     const std::vector<Vec3> forces = reference.forces(reference.corrected_states(), &loads);
@@ -167,8 +173,8 @@ TEST(Norton, VelocitiesThatAreFoundBalanceTheForcesOfTheFormulas) {
         high = std::max(high, point.z());
     }
     for (std::size_t k = 0; k < packing.size(); ++k) {
-        // The planes have no part in it.
-        const double z = packing.position[k].z(), near = 2 * 1.5 * packing.seed_radius;
+        // The planes have no part in it: their film reaches the neighbours of what is within 0.75 diameters of a face.
+        const double z = packing.position[k].z(), near = 5 * packing.seed_radius;
         if (z < low + near || z > high - near) continue;
         net += forces[k].squaredNorm();
         load += loads[k] * loads[k];
@@ -177,7 +183,6 @@ TEST(Norton, VelocitiesThatAreFoundBalanceTheForcesOfTheFormulas) {
 }
 
 TEST(Norton, QuasiStaticStepsAreThoseOfOneProcess) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     const Packing packing = at_rest(sample(), "");
     const auto pressed = [&](MPI_Comm communicator) {
         Simulation simulation(packing, quasi_static(packing, "", 8e-3, 1e-3), 2, communicator);
@@ -201,7 +206,6 @@ TEST(Norton, QuasiStaticStepsAreThoseOfOneProcess) {
 }
 
 TEST(Norton, QuasiStaticStepsHaveTheStressOfTheExplicitOnes) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     const Packing packing = at_rest(sample(), "");
     const auto force_at_strain = [&](const Model& model, double time_step, double strain, double window) {
         Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
@@ -220,7 +224,6 @@ TEST(Norton, QuasiStaticStepsHaveTheStressOfTheExplicitOnes) {
 }
 
 TEST(Norton, TheVelocitiesToBeFoundAreGuessedFromThoseOfTheRateBefore) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     const Packing packing = at_rest(sample(), "objects_only_push = true");
     Model model = model_of(packing);
     model.scheme = Scheme::quasi_static;
@@ -243,7 +246,6 @@ TEST(Norton, TheVelocitiesToBeFoundAreGuessedFromThoseOfTheRateBefore) {
 }
 
 TEST(Norton, ASampleBeginsWithTheFlowAndIsRefusedWhenItHeats) {
-    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this machine has no AVX2";
     const Packing packing = sample();
     Simulation simulation(packing, model_of(packing), 2, MPI_COMM_WORLD);
     simulation.place_planes();
