@@ -56,7 +56,8 @@ TOMODEM_TWO_PROCESSORS void FlowForces::sum_fabric() {
             const float weight = pair.closeness * pair.closeness;
             const Four squares = with_fourth(pair.apart * pair.apart, weight);
             const Four mixed = pair.apart * turned(pair.apart), away = pair.direction * weight;
-            const float own_share = this->weight(k), other_share = 2 - own_share;
+            // Half of the weights: with none, a flow across an interface is seen as it is, with all, one along it.
+            const float own_share = 0.5F * (1 + this->weight(k)), other_share = 2 - own_share;
             Sums& theirs = sums_[other[k]];
             theirs.moment[0] += with_fourth(other_share * squares, weight);
             theirs.moment[1] += other_share * mixed;
