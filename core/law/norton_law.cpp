@@ -29,7 +29,10 @@ NortonState norton_state(const Norton& law, const NortonMaterial& material, cons
         state.diagonal[c] = found.diagonal[c];
         state.off[c] = found.off[c];
         state.lateral[c] = found.lateral[c];
+        std::copy_n(found.inverse[c], 3, state.inverse[c]);
     }
+    state.background = found.background;
+    state.inside = found.inside;
     state.traction[0][3] = found.pressure;
     state.traction[1][3] = found.viscosity;
     state.traction[2][3] = material.strength;
@@ -37,7 +40,7 @@ NortonState norton_state(const Norton& law, const NortonMaterial& material, cons
 }
 
 void norton_force(const Norton& law, const NortonState& i, const NortonState& j, const double* apart,
-                  const double* speed, bool bonded, double* force) {
+                  const double* speed, bool bonded, double* force, double weight) {
     const double d = law.seed_diameter;
     const double distance = std::sqrt(apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]);
     const double closeness = std::max(0.0, 1 - distance / (C::crown * d));
@@ -45,6 +48,7 @@ void norton_force(const Norton& law, const NortonState& i, const NortonState& j,
     double radial = C::core_stiffness * d * (i.strength() + j.strength()) / 2 * overlap +
                     2 * closeness * (i.pressure() + j.pressure());
     if (!bonded) {
+        radial -= 2 * closeness * (i.background + j.background);
         for (int c = 0; c < 3; ++c) force[c] = std::max(0.0, radial) / distance * apart[c];
         return;
     }
@@ -61,8 +65,16 @@ void norton_force(const Norton& law, const NortonState& i, const NortonState& j,
     const double across = -C::crown * d / distance * closeness * closeness;
     for (int c = 0; c < 3; ++c) {
         force[c] = (radial - across * lateral) / distance * apart[c] + across * (i.lateral[c] - j.lateral[c]);
-        for (int b = 0; b < 3; ++b) force[c] -= (i.traction[b][c] + j.traction[b][c]) * apart[b];
+        for (int b = 0; b < 3; ++b) force[c] -= (weight * i.traction[b][c] + (2 - weight) * j.traction[b][c]) * apart[b];
     }
+}
+
+void norton_correct(NortonState& state, const double (&virial)[3][3], double background) {
+    const double mean = (virial[0][0] + virial[1][1] + virial[2][2] - background) / 3;
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+            for (int c = 0; c < 3; ++c)
+                state.traction[b][a] += state.inside * (virial[a][c] - (a == c ? mean : 0)) * state.inverse[c][b];
 }
 
 double norton_wall_force(const Norton& law, double strength, double distance, double approach, double other,

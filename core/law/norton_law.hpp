@@ -12,14 +12,18 @@ struct NortonConstants {
     static constexpr double core = 0.7;            ///< diameter of the elastic core: seeds that touch would jam
     static constexpr double core_stiffness = 100;  ///< over strength d
     static constexpr double pressure = 25;         ///< B, over strength d^2
-    static constexpr double rest_density = 1.007;  ///< rho_0 [-]: 0.9 of the mean inside a packing
+    static constexpr double rest_density = 1.08;   ///< rho_0 [-]: a packing of D = 0.64 keeps its volume at rest
     static constexpr double surface = 1.5;         ///< a_n: what a free surface lacks of rho
     static constexpr double smoothing = 0.1;       ///< n_0: |n| is smooth below it
-    static constexpr double fabric_floor = 0.131;  ///< [d^2] 0.02 of the mean of tr A / 3
+    static constexpr double fabric_floor = 0.131;  ///< [d^2] of a particle with few neighbours: 0.02 of the mean tr A / 3
+    static constexpr double background = 0.4;      ///< p_b, over strength d^2: keeps clusters from forming where p < 0
+    static constexpr double inside = 0.4;          ///< |n| up to which a particle is not at a surface
     static constexpr double volume = 0.818;        ///< of a particle [d^3]
     static constexpr double pair_share = 0.4;      ///< chi: viscosity of what is not in the mean flow, over eta d
     static constexpr double bulk_viscosity = 2;    ///< over eta
     static constexpr double rate_floor = 0.1;      ///< of the load's lowest rate: below, the viscosity does not grow
+    static constexpr double film = 30;          ///< between sample and wall, over strength d / flow_rate
+    static constexpr double film_range = 0.75;  ///< of centres, from the face [d]
     static constexpr double wall_viscosity =
         1000;  ///< of the film between particle and wall, over strength d / flow_rate
 };
@@ -53,6 +57,9 @@ struct NortonState {
     double diagonal[4];     ///< of the rate of deformation D [1/s]; the fourth is 0
     double off[4];          ///< 2 D_xy, 2 D_yz, 2 D_zx; 0
     double lateral[4];      ///< a_n p n / sqrt(n^2 + n_0^2) [uN]; 0
+    double inverse[3][3];   ///< of the fabric A [1/mm^2]
+    double background;      ///< share of p [uN]
+    double inside;          ///< w: from 0 at a surface to 1
 
     double pressure() const { return traction[0][3]; }
     double viscosity() const { return traction[1][3]; }
@@ -61,15 +68,27 @@ struct NortonState {
 
 /// From the sums of a particle: velocity gradient (sum v r) A^-1, its symmetric part D, the equivalent rate
 /// gamma = sqrt(2/3 D':D' + min_rate^2), eta = K gamma^(M-1), sigma = 2/3 eta D' + bulk, and the pressure of the
-/// density.
+/// density with the background.
 NortonState norton_state(const Norton& law, const NortonMaterial& material, const NortonSums& sums);
 
 /// Force on i of a pair within the crown [uN].
 /// @param apart   x_i - x_j [mm]
 /// @param speed   v_i - v_j [mm/s]
 /// @param bonded  false for two objects or an interface: repulsion alone
+/// @param weight  w_ij of T_i; that of T_j is 2 - w_ij
 void norton_force(const Norton& law, const NortonState& i, const NortonState& j, const double* apart,
-                  const double* speed, bool bonded, double* force);
+                  const double* speed, bool bonded, double* force, double weight = 1);
+
+/// w_ij = 2 eta_j / (eta_i + eta_j) of two phases: with it the traction is the same on both sides of their interface.
+inline double norton_weight(double own_viscosity, double other_viscosity) {
+    return 2 * other_viscosity / (own_viscosity + other_viscosity);
+}
+
+/// Takes from the traction what the elastic forces and the pair term carry of the stress: what the packing's anisotropy
+/// makes of them would otherwise add to the flow stress, more and more with the strain.
+/// @param virial      W = 1/2 sum sym(f r) over the neighbours, f without T [uN.mm]
+/// @param background  trace of the background's share of W
+void norton_correct(NortonState& state, const double (&virial)[3][3], double background);
 
 /// Force of a wall along its normal, repulsion positive [uN]: seeds are held off, and a viscous film makes the crown
 /// follow the wall's normal motion. The film is so stiff that its force is that of the end of the time step.

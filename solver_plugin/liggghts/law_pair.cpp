@@ -245,7 +245,8 @@ void LawPair::pair_forces(const PairKernel::UsePair& use) const {
 double LawPair::wall_force(int i, double distance, const double* normal, double rate) const {
     double other = 0;
     for (int c = 0; c < 3; ++c) other += normal[c] * atom->f[i][c];
-    return kernel().wall_force({i, atom->type[i], atom->radius[i], distance, rate, other, update->dt / atom->rmass[i]});
+    return kernel().wall_force({i, atom->type[i], atom->radius[i], distance, rate, other, update->dt / atom->rmass[i],
+                                {normal[0], normal[1], normal[2]}});
 }
 
 double script_wall_force(LAMMPS& lmp, int i, double distance, const double* normal, double rate) {

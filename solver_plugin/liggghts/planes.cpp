@@ -21,9 +21,10 @@ FixPlanes::Forces FixPlanes::take_forces() {
 void FixPlanes::choose_candidates(double low, double high) {
     near_low_.clear();
     near_high_.clear();
+    const PairKernel& kernel = LawPair::of(*lmp)->kernel();
     for (int i = 0; i < atom->nlocal; ++i) {
         // Half a skin for the plane, and a whole one for a particle that swings from side to side between builds.
-        const double reach = atom->radius[i] + 1.5 * neighbor->skin;
+        const double reach = kernel.plane_reach(atom->radius[i]) + 1.5 * neighbor->skin;
         if (atom->x[i][2] - low < reach) near_low_.push_back(i);
         if (high - atom->x[i][2] < reach) near_high_.push_back(i);
     }
@@ -36,12 +37,14 @@ double FixPlanes::press(const std::vector<int>& candidates, double plane, double
     double total = 0;
     for (int i : candidates) {
         const double distance = inward * (atom->x[i][2] - plane);
-        if (distance >= atom->radius[i]) continue;
+        if (distance >= pair.kernel().plane_reach(atom->radius[i])) continue;
         const double normal[3] = {0, 0, inward};
         const double normal_force = pair.wall_force(i, distance, normal, inward * (atom->v[i][2] - velocity));
         atom->f[i][2] += inward * normal_force;
         total += normal_force;
-        if (tally_step_ == update->ntimestep) tally_[static_cast<std::size_t>(i)] -= normal_force * distance;
+        const double part = -normal_force * (distance - pair.kernel().face());
+        virial_ += part;
+        if (tally_step_ == update->ntimestep) tally_[static_cast<std::size_t>(i)] += part;
     }
     return total;
 }
@@ -63,10 +66,12 @@ double FixPlanes::half_gap(double time) const {
 void FixPlanes::add_walls(double start, double interval, int first, std::vector<NearWall>& walls) const {
     const double from = half_gap(time() + start);
     const double velocity = (half_gap(time() + start + interval) - from) / interval;
+    const PairKernel& kernel = LawPair::of(*lmp)->kernel();
     for (int i = 0; i < atom->nlocal; ++i) {
         const double height = atom->x[i][2] - motion_.centre[2];
-        if (from + height < atom->radius[i]) walls.push_back({i, first, {0, 0, 1}, from + height, -velocity});
-        if (from - height < atom->radius[i]) walls.push_back({i, first + 1, {0, 0, -1}, from - height, -velocity});
+        const double reach = kernel.plane_reach(atom->radius[i]);
+        if (from + height < reach) walls.push_back({i, first, {0, 0, 1}, from + height, -velocity});
+        if (from - height < reach) walls.push_back({i, first + 1, {0, 0, -1}, from - height, -velocity});
     }
 }
 
@@ -98,6 +103,7 @@ void FixPlanes::post_force(int) {
     if (neighbor->ago == 0 || update->setupflag || outrun) choose_candidates(low, high);
 
     if (tally_step_ == update->ntimestep) tally_.assign(static_cast<std::size_t>(atom->nlocal), 0.0);
+    virial_ = 0;
     const double on_bottom = press(near_low_, low, -velocity, 1);
     const double on_top = press(near_high_, high, velocity, -1);
     if (segment.affine) take_along(time);

@@ -34,10 +34,12 @@ class FixPlanes : public LAMMPS_NS::Fix {
     /// This process' share; the sum over processes is the force.
     Forces take_forces();
 
-    /// In that step, sums force times lever (from the centre to the plane) of each particle: the planes' part of its
-    /// stress, zz alone.
+    /// In that step, sums force times lever (from the centre to where the plane's force acts) of each particle: the
+    /// planes' part of its stress, zz alone.
     void tally_at(LAMMPS_NS::bigint step) { tally_step_ = step; }
     double tallied(int i) const { return tally_[static_cast<std::size_t>(i)]; }
+    /// Sum of force times lever in the last step, this process' share [uN mm].
+    double virial() const { return virial_; }
 
     /// Those within reach of a particle of this process, for a kernel that finds the velocities; walls are numbered
     /// `first` (below) and `first` + 1.
@@ -66,6 +68,7 @@ class FixPlanes : public LAMMPS_NS::Fix {
     std::vector<int> near_low_, near_high_;
     LAMMPS_NS::bigint tally_step_ = -1;
     std::vector<double> tally_;
+    double virial_ = 0;
     double chosen_low_ = 0, chosen_high_ = 0;
 };
 

@@ -93,6 +93,7 @@ void FixSurface::post_force(int) {
         velocity = (moved - displacement(clock_.at(update->ntimestep - 1))) / update->dt;
     }
     Vec3 total = Vec3::Zero();
+    virial_ = 0;
     const bool tallies = tally_step_ == update->ntimestep;
     if (tallies) tally_.assign(static_cast<std::size_t>(atom->nlocal), {});
     for (const Candidate& candidate : candidates_) {
@@ -105,8 +106,9 @@ void FixSurface::post_force(int) {
                 contact.direction;
             for (int axis = 0; axis < 3; ++axis) atom->f[i][axis] += on_particle[axis];
             total += on_particle;
+            const Vec3 lever = (pair.kernel().face() - contact.distance) * contact.direction;
+            virial_ += on_particle[2] * lever[2];
             if (!tallies) continue;
-            const Vec3 lever = -contact.distance * contact.direction;
             constexpr int first[] = {0, 1, 2, 0, 0, 1}, second[] = {0, 1, 2, 1, 2, 2};
             for (int k = 0; k < 6; ++k)
                 tally_[static_cast<std::size_t>(i)][k] += on_particle[first[k]] * lever[second[k]];

@@ -35,9 +35,11 @@ class FixSurface : public LAMMPS_NS::Fix {
     /// Particles of this process nearer than `distance` at the present step.
     std::int64_t particles_within(double distance) const;
 
-    /// In that step, sums force times lever (from the centre to the contact) of each particle, xx yy zz xy xz yz.
+    /// In that step, sums force times lever (from the centre to where the force acts) of each particle, xx yy zz xy xz yz.
     void tally_at(LAMMPS_NS::bigint step) { tally_step_ = step; }
     const std::array<double, 6>& tallied(int i) const { return tally_[static_cast<std::size_t>(i)]; }
+    /// zz of that sum in the last step, this process' share [uN mm].
+    double virial() const { return virial_; }
 
     /// Contacts with the particles of this process, for a kernel that finds the velocities.
     /// @param start, interval  as FlowSurroundings::walls()
@@ -65,6 +67,7 @@ class FixSurface : public LAMMPS_NS::Fix {
     std::vector<SurfaceContact> contacts_;
     LAMMPS_NS::bigint tally_step_ = -1;
     std::vector<std::array<double, 6>> tally_;
+    double virial_ = 0;
     Vec3 chosen_at_ = Vec3::Zero();
 };
 

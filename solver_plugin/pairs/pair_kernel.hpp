@@ -21,6 +21,7 @@ struct WallContact {
     double rate;         ///< of the distance, relative to the wall
     double other_force;  ///< of everything else on the particle, along the normal
     double time_step_over_mass;
+    double normal[3];  ///< from the wall to the particle
 };
 
 /// A wall within reach of a particle, for a kernel that finds the velocities itself.
@@ -37,9 +38,9 @@ struct NearWall {
 struct FlowWork {
     std::int64_t steps = 0;
     std::int64_t solutions = 0;  ///< of a linear system: one or two a step
-    std::int64_t geometries = 0, forces = 0, products = 0, blocks = 0;
+    std::int64_t geometries = 0, corrections = 0, forces = 0, products = 0, blocks = 0;
 
-    std::int64_t evaluations() const { return geometries + forces + products + blocks; }
+    std::int64_t evaluations() const { return geometries + corrections + forces + products + blocks; }
 };
 
 /// The simulation around a kernel that finds the velocities itself.
@@ -90,6 +91,11 @@ class PairKernel {
 
     /// Force of a wall along its normal, repulsion positive [uN].
     virtual double wall_force(const WallContact& contact) const = 0;
+    /// Distance from one of the two planes up to which a particle feels it.
+    /// @param radius  of the particle's crown
+    virtual double plane_reach(double radius) const { return radius; }
+    /// Distance from a wall at which its force acts on the material; the lever of its force in a stress ends there.
+    virtual double face() const { return 0; }
 
     /// Elastic energy of the overlapping seeds; half of it for pairs with a ghost.
     virtual double seed_energy(const ParticleView& particles, const NeighbourView& list) const = 0;

@@ -46,6 +46,20 @@ std::array<int, 8> CoarseGrid::offsets() const {
     return result;
 }
 
+/// Of the weights [1/mm].
+std::array<Eigen::Vector3d, 8> CoarseGrid::slopes(const Place& place) const {
+    std::array<Eigen::Vector3d, 8> slope;
+    for (int corner = 0; corner < 8; ++corner)
+        for (int c = 0; c < 3; ++c) {
+            slope[corner][c] = ((corner >> c & 1) != 0 ? 1 : -1) / width_[c];
+            for (int other = 1; other < 3; ++other) {
+                const int axis = (c + other) % 3;
+                slope[corner][c] *= (corner >> axis & 1) != 0 ? place.share[axis] : 1 - place.share[axis];
+            }
+        }
+    return slope;
+}
+
 std::array<Four, 2> CoarseGrid::weights(const Place& place) {
     const auto [x, y, z] = place.share;
     const Four in_layer = Four{1 - x, x, 1 - x, x} * Four{1 - y, 1 - y, y, y};
@@ -86,7 +100,7 @@ void CoarseGrid::lay(const double* position, int count, double width, const Flow
     }
 }
 
-void CoarseGrid::fill(const std::vector<Material>& materials, const std::vector<NearWall>& walls,
+void CoarseGrid::fill(const std::vector<Material>& materials, const std::vector<NearWall>& walls, double face,
                       const std::vector<double>& wall_stiffness, const FlowSurroundings& surroundings) {
     const int nodes = size() / 3;
     const std::array<int, 8> offset = offsets();
@@ -98,15 +112,7 @@ void CoarseGrid::fill(const std::vector<Material>& materials, const std::vector<
     };
     for (std::size_t i = 0; i < places_.size(); ++i) {
         const Place& place = places_[i];
-        double slope[8][3];
-        for (int corner = 0; corner < 8; ++corner)
-            for (int c = 0; c < 3; ++c) {
-                slope[corner][c] = ((corner >> c & 1) != 0 ? 1 : -1) / width_[c];
-                for (int other = 1; other < 3; ++other) {
-                    const int axis = (c + other) % 3;
-                    slope[corner][c] *= (corner >> axis & 1) != 0 ? place.share[axis] : 1 - place.share[axis];
-                }
-            }
+        const std::array<Eigen::Vector3d, 8> slope = slopes(place);
         const auto [viscosity, bulk] = materials[i];
         for (int one = 0; one < 8; ++one)
             for (int two = 0; two < 8; ++two) {
@@ -128,12 +134,17 @@ void CoarseGrid::fill(const std::vector<Material>& materials, const std::vector<
     for (std::size_t k = 0; k < walls.size(); ++k) {
         const Place& place = places_[static_cast<std::size_t>(walls[k].particle)];
         const std::array<Four, 2> weight = weights(place);
+        const std::array<Eigen::Vector3d, 8> slope = slopes(place);
+        double at_face[8];
+        for (int corner = 0; corner < 8; ++corner)
+            at_face[corner] =
+                weight[corner / 4][corner % 4] - (walls[k].distance - face) * slope[corner].dot(Eigen::Vector3d(walls[k].normal));
         for (int one = 0; one < 8; ++one)
             for (int two = 0; two < 8; ++two) {
                 const int way = way_between(one, two);
                 if (way < 0) continue;
                 double* const sum = block(place.node + offset[one], way);
-                const double both = static_cast<double>(weight[one / 4][one % 4]) * weight[two / 4][two % 4];
+                const double both = at_face[one] * at_face[two];
                 for (int c = 0; c < 3; ++c)
                     for (int e = 0; e < 3; ++e)
                         sum[3 * c + e] += wall_stiffness[k] * both * walls[k].normal[c] * walls[k].normal[e];

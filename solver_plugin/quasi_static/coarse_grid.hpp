@@ -1,4 +1,5 @@
 #pragma once
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -28,8 +29,9 @@ class CoarseGrid {
     /// @param width     of a cell, at least [mm]
     void lay(const double* position, int count, double width, const FlowSurroundings& surroundings);
     /// Fills and factorises the matrix. Collective.
+    /// @param face            distance from a wall where it acts on the body [mm]
     /// @param wall_stiffness  of each wall along its normal [uN.s/mm]
-    void fill(const std::vector<Material>& materials, const std::vector<NearWall>& walls,
+    void fill(const std::vector<Material>& materials, const std::vector<NearWall>& walls, double face,
               const std::vector<double>& wall_stiffness, const FlowSurroundings& surroundings);
 
     /// Unknowns: three for each node of the grid.
@@ -51,6 +53,7 @@ class CoarseGrid {
     std::array<int, 8> offsets() const;
     /// Of a cell's corners, in the order of z, y and x.
     static std::array<Four, 2> weights(const Place& place);
+    std::array<Eigen::Vector3d, 8> slopes(const Place& place) const;
 
     int nodes_[3] = {0, 0, 0};
     double width_[3] = {1, 1, 1};

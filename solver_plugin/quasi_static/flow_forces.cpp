@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/law/norton_state.hpp"
+
 namespace tomodem::plugin {
 namespace {
 
@@ -54,12 +56,13 @@ TOMODEM_TWO_PROCESSORS void FlowForces::sum_fabric() {
             const float weight = pair.closeness * pair.closeness;
             const Four squares = with_fourth(pair.apart * pair.apart, weight);
             const Four mixed = pair.apart * turned(pair.apart), away = pair.direction * weight;
+            const float own_share = this->weight(k), other_share = 2 - own_share;
             Sums& theirs = sums_[other[k]];
-            theirs.moment[0] += squares;
-            theirs.moment[1] += mixed;
+            theirs.moment[0] += with_fourth(other_share * squares, weight);
+            theirs.moment[1] += other_share * mixed;
             theirs.outward -= away;
-            diagonal += squares;
-            off += mixed;
+            diagonal += with_fourth(own_share * squares, weight);
+            off += own_share * mixed;
             outward += away;
         }
         Sums& own = sums_[rows[row].particle];
@@ -78,11 +81,15 @@ TOMODEM_TWO_PROCESSORS void FlowForces::sum_fabric() {
     }
 }
 
-void FlowForces::find_fabric(const ParticleView& particles) {
-    const double d = law_.seed_diameter, floor = C::fabric_floor * d * d;
+void FlowForces::find_fabric() {
+    const double d = law_.seed_diameter;
     for (int i = 0; i < local_count_; ++i) {
         const Sums& sums = sums_[i];
-        const law::NortonMaterial& material = law_.materials[particles.type[i] - 1];
+        const law::NortonMaterial& material = law_.materials[type_[i]];
+        const double diagonal[3] = {sums.moment[0][0], sums.moment[0][1], sums.moment[0][2]};
+        const double mixed[3] = {sums.moment[1][0], sums.moment[1][1], sums.moment[1][2]};
+        double floor = 0;
+        law::norton_fabric_floor(d, diagonal, mixed, floor);
         const double xx = sums.moment[0][0] + floor, yy = sums.moment[0][1] + floor, zz = sums.moment[0][2] + floor;
         const double xy = sums.moment[1][0], yz = sums.moment[1][1], zx = sums.moment[1][2];
         const double cofactor[6] = {yy * zz - yz * yz, xx * zz - zx * zx, xx * yy - xy * xy,
@@ -93,13 +100,16 @@ void FlowForces::find_fabric(const ParticleView& particles) {
         double squares = C::smoothing * C::smoothing;
         for (int c = 0; c < 3; ++c) squares += static_cast<double>(sums.outward[c]) * sums.outward[c];
         const double length = std::sqrt(squares);
+        const double outside = (squares - C::smoothing * C::smoothing) / (C::inside * C::inside);
+        const double inside = std::max(0.0, 1 - outside * outside);
         const double density = sums.moment[0][3] + C::surface * (length - C::smoothing);
-        const double pressure = C::pressure * d * d * material.strength * (density / C::rest_density - 1);
+        const double pressure = C::pressure * d * d * material.strength * (density / C::rest_density - 1) +
+                                C::background * d * d * material.strength * inside;
         Fabric& fabric = fabrics_[i];
         fabric.inverse[0] = Four{inverse[0], inverse[3], inverse[5], static_cast<float>(pressure)};
         fabric.inverse[1] = Four{inverse[3], inverse[1], inverse[4], 0};
         fabric.inverse[2] = Four{inverse[5], inverse[4], inverse[2], static_cast<float>(material.strength)};
-        fabric.outward = with_fourth(sums.outward / static_cast<float>(length), 0);
+        fabric.outward = with_fourth(sums.outward / static_cast<float>(length), static_cast<float>(inside));
     }
 }
 
@@ -132,6 +142,7 @@ TOMODEM_TWO_PROCESSORS void FlowForces::add_moments(const Four* velocity) {
             const std::int32_t j = other[k];
             const Geometry pair(apart[k], over_reach);
             const Four speed = own - velocity[j];
+            const float own_weight = weight(k), other_weight = 2 - own_weight;
             const Four of_x = pair.apart * speed[0], of_y = pair.apart * speed[1], of_z = pair.apart * speed[2];
             const float separation = sum_of_three(speed * pair.direction);
             const float crowding = -2 * pair.closeness * over_reach * separation;
@@ -139,13 +150,13 @@ TOMODEM_TWO_PROCESSORS void FlowForces::add_moments(const Four* velocity) {
             const Four tilt =
                 with_fourth(pair.direction * (crowding - turning * separation) + speed * turning, crowding);
             Sums& theirs = all[j];
-            theirs.moment[0] += of_x;
-            theirs.moment[1] += of_y;
-            theirs.moment[2] += of_z;
+            theirs.moment[0] += other_weight * of_x;
+            theirs.moment[1] += other_weight * of_y;
+            theirs.moment[2] += other_weight * of_z;
             theirs.outward += opposite * tilt;
-            x += of_x;
-            y += of_y;
-            z += of_z;
+            x += own_weight * of_x;
+            y += own_weight * of_y;
+            z += own_weight * of_z;
             outward += tilt;
         }
         Sums& mine = all[i];
@@ -198,6 +209,8 @@ TOMODEM_TWO_PROCESSORS void FlowForces::find_states(bool fresh_viscosity) {
         for (int b = 0; b < 3; ++b)
             state.traction[b] = volume * (stress[0] * fabric.inverse[b][0] + stress[1] * fabric.inverse[b][1] +
                                           stress[2] * fabric.inverse[b][2]);
+        if (fresh_viscosity)
+            for (int b = 0; b < 3; ++b) state.traction[b] += corrections_[i].column[b];
         state.traction[0][3] = pressure;
         state.traction[1][3] = viscosity;
         state.diagonal = diagonal;
@@ -211,24 +224,36 @@ namespace {
 /// Of a pair, from the states of its particles.
 /// @param damping  of what is not in the mean flow [uN.s/mm]
 template <class State>
-TOMODEM_INLINE Four viscous_force(const Geometry& pair, Four speed, const State& own, const State& theirs,
-                                  float damping) {
+TOMODEM_INLINE Four pair_term(const Geometry& pair, Four speed, const State& own, const State& theirs, float damping) {
     const Four mean = (own.diagonal + theirs.diagonal) * pair.direction * pair.direction +
                       (own.off + theirs.off) * pair.direction * turned(pair.direction);
     const float strange = sum_of_three(speed * pair.direction - 0.5F * pair.distance * mean);
-    return -damping * strange * pair.direction - (own.traction[0] + theirs.traction[0]) * pair.apart[0] -
-           (own.traction[1] + theirs.traction[1]) * pair.apart[1] -
-           (own.traction[2] + theirs.traction[2]) * pair.apart[2];
+    return -damping * strange * pair.direction;
+}
+
+/// @param weight  of the particle's own traction
+template <class State>
+TOMODEM_INLINE Four viscous_force(const Geometry& pair, Four speed, const State& own, const State& theirs,
+                                  float damping, float weight) {
+    const float other = 2 - weight;
+    return pair_term(pair, speed, own, theirs, damping) -
+           (weight * own.traction[0] + other * theirs.traction[0]) * pair.apart[0] -
+           (weight * own.traction[1] + other * theirs.traction[1]) * pair.apart[1] -
+           (weight * own.traction[2] + other * theirs.traction[2]) * pair.apart[2];
+}
+
+/// @param pressures  of both
+/// @param lateral    difference of what is along their outward vectors
+TOMODEM_INLINE Four pressure_force(const Geometry& pair, float pressures, Four lateral, float reach) {
+    const float along = sum_of_three(lateral * pair.direction);
+    const float across = -reach * pair.closeness * pair.closeness * pair.over_distance;
+    const float radial = 2 * pair.closeness * pressures + (2 * pair.closeness - across) * along;
+    return radial * pair.direction + across * lateral;
 }
 
 template <class State>
 TOMODEM_INLINE Four pressure_force(const Geometry& pair, const State& own, const State& theirs, float reach) {
-    const Four lateral = own.lateral - theirs.lateral;
-    const float along = sum_of_three(lateral * pair.direction);
-    const float across = -reach * pair.closeness * pair.closeness * pair.over_distance;
-    const float radial =
-        2 * pair.closeness * (own.traction[0][3] + theirs.traction[0][3]) + (2 * pair.closeness - across) * along;
-    return radial * pair.direction + across * lateral;
+    return pressure_force(pair, own.traction[0][3] + theirs.traction[0][3], own.lateral - theirs.lateral, reach);
 }
 
 }  // namespace
@@ -251,7 +276,7 @@ TOMODEM_TWO_PROCESSORS void FlowForces::add_forces(const Four* velocity) {
             const Geometry pair(apart[k], 1 / reach);
             const float one = own.traction[1][3], two = theirs.traction[1][3];
             damping_[k] = share * one / (one + two) * two;
-            Four force = viscous_force(pair, velocity[i] - velocity[j], own, theirs, damping_[k]);
+            Four force = viscous_force(pair, velocity[i] - velocity[j], own, theirs, damping_[k], weight(k));
             const float load = std::sqrt(sum_of_three(force * force));
             force = with_fourth(force + pressure_force(pair, own, theirs, reach), load);
             (j < local_count_ ? virial : virial_of_ghosts) += force * pair.apart;
@@ -278,7 +303,7 @@ TOMODEM_TWO_PROCESSORS void FlowForces::add_changes(const Four* direction) {
         for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
             const std::int32_t j = other[k];
             const Geometry pair(apart[k], 1 / reach);
-            const Four force = viscous_force(pair, direction[i] - direction[j], own, states[j], damping[k]) +
+            const Four force = viscous_force(pair, direction[i] - direction[j], own, states[j], damping[k], weight(k)) +
                                pressure_force(pair, own, states[j], reach);
             net[j] -= force;
             sum += force;
@@ -313,7 +338,9 @@ void FlowForces::find_pushes() {
         const Geometry pair(one.apart, 1 / reach);
         const Fabric &own = fabrics_[one.particle], &theirs = fabrics_[one.other];
         const float strengths = own.inverse[2][3] + theirs.inverse[2][3], overlap = core - pair.distance;
-        pushes_[k] = {2 * pair.closeness * (own.inverse[0][3] + theirs.inverse[0][3]),
+        const float pressures =
+            own.inverse[0][3] - background(own) + theirs.inverse[0][3] - background(theirs);
+        pushes_[k] = {2 * pair.closeness * pressures,
                       4 * pair.closeness * pair.closeness / reach * pressure * strengths,
                       push_rounding * strengths * static_cast<float>(d * d), 0};
         if (overlap > 0) {
@@ -342,32 +369,202 @@ void FlowForces::place(const ParticleView& particles, bool renumbered) {
     local_count_ = particles.local_count;
     count_ = particles.count;
     pairs_.find(particles, C::crown * law_.seed_diameter, renumbered);
-    type_.resize(static_cast<std::size_t>(local_count_));
-    for (int i = 0; i < local_count_; ++i) type_[i] = static_cast<std::uint8_t>(particles.type[i] - 1);
+    type_.resize(static_cast<std::size_t>(count_));
+    for (int i = 0; i < count_; ++i) type_[i] = static_cast<std::uint8_t>(particles.type[i] - 1);
     const auto count = static_cast<std::size_t>(count_);
     fabrics_.resize(count);
     states_.resize(count);
     net_.resize(count);
     damping_.resize(pairs_.size());
     pushes_.resize(pairs_.pushing().size());
-    clear_sums();
-    sum_fabric();
-    find_fabric(particles);
-    carry_(fabrics_.data(), sizeof(Fabric), sizeof(Fabric));
-    clear_sums();
+    weights_.clear();
+    corrections_.assign(static_cast<std::size_t>(local_count_), Correction{});
+    find_geometry();
     find_cores();
     find_pushes();
 }
 
-void FlowForces::find(const Four* velocity) {
+void FlowForces::find_geometry() {
+    clear_sums();
+    sum_fabric();
+    find_fabric();
+    carry_(fabrics_.data(), sizeof(Fabric), sizeof(Fabric));
+    clear_sums();
+}
+
+/// States with these velocities, ghosts included.
+void FlowForces::find_flow(const Four* velocity) {
     add_moments(velocity);
     find_states(true);
     clear_sums();
+    add_films_to_states(velocity, true);
     carry_(states_.data(), sizeof(State), sizeof(State));
+}
+
+/// By the viscosities of the last flow.
+void FlowForces::weigh() {
+    weights_.assign(pairs_.size(), 1);
+    const std::vector<FlowPairs::Row>& rows = pairs_.rows();
+    for (std::size_t row = 0; row + 1 < rows.size(); ++row) {
+        const std::int32_t i = rows[row].particle;
+        for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
+            const std::int32_t j = pairs_.other()[k];
+            if (type_[i] == type_[j]) continue;
+            const float own = states_[i].traction[1][3], theirs = states_[j].traction[1][3];
+            weights_[k] = 2 * theirs / (own + theirs);
+        }
+    }
+}
+
+float FlowForces::background(const Fabric& fabric) const {
+    const double d = law_.seed_diameter;
+    return static_cast<float>(C::background * d * d) * fabric.inverse[2][3] * fabric.outward[3];
+}
+
+/// Of each particle, over its neighbours: half of sum sym(f r), f without the tractions.
+/// Sums: moment[0] the diagonal, moment[1] xy, yz, zx; the fourths: the trace of the background's share, -.
+TOMODEM_TWO_PROCESSORS void FlowForces::sum_virials(const Four* velocity) {
+    const auto reach = static_cast<float>(C::crown * law_.seed_diameter);
+    const auto share = static_cast<float>(2 * C::pair_share * law_.seed_diameter);
+    const auto surface = static_cast<float>(C::surface);
+    const auto per_strength = static_cast<float>(C::background * law_.seed_diameter * law_.seed_diameter);
+    const float flows = law_.at_rest ? 0 : 1;
+    const std::vector<FlowPairs::Row>& rows = pairs_.rows();
+    const std::int32_t* const other = pairs_.other();
+    const Four* const apart = pairs_.apart();
+    for (std::size_t row = 0; row + 1 < rows.size(); ++row) {
+        const std::int32_t i = rows[row].particle;
+        const Fabric& own = fabrics_[i];
+        const float own_background = per_strength * own.inverse[2][3] * own.outward[3];
+        Four diagonal{}, off{};
+        for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
+            const std::int32_t j = other[k];
+            const Fabric& theirs = fabrics_[j];
+            const Geometry pair(apart[k], 1 / reach);
+            const float their_background = per_strength * theirs.inverse[2][3] * theirs.outward[3];
+            const Four pressed =
+                pressure_force(pair, own.inverse[0][3] + theirs.inverse[0][3],
+                               surface * (own.inverse[0][3] * own.outward - theirs.inverse[0][3] * theirs.outward), reach);
+            const Four backed =
+                pressure_force(pair, own_background + their_background,
+                               surface * (own_background * own.outward - their_background * theirs.outward), reach);
+            const float one = states_[i].traction[1][3], two = states_[j].traction[1][3];
+            const Four force = pressed + pair_term(pair, velocity[i] - velocity[j], states_[i], states_[j],
+                                                   flows * share * one / (one + two) * two);
+            const Four squares = with_fourth(0.5F * force * pair.apart, 0.5F * sum_of_three(backed * pair.apart));
+            const Four mixed = 0.25F * (force * turned(pair.apart) + turned(force) * pair.apart);
+            Sums& neighbour = sums_[j];
+            neighbour.moment[0] += squares;
+            neighbour.moment[1] += mixed;
+            diagonal += squares;
+            off += mixed;
+        }
+        sums_[i].moment[0] += diagonal;
+        sums_[i].moment[1] += off;
+    }
+}
+
+void FlowForces::correct(const Four* velocity) {
+    corrections_.assign(static_cast<std::size_t>(local_count_), Correction{});
+    weights_.clear();
+    find_flow(velocity);
+    // The weights go by the viscosities, and these by a flow that is seen with the weights.
+    for (int pass = 1; pass < passes_of_a_correction(); ++pass) {
+        weigh();
+        find_geometry();
+        find_flow(velocity);
+    }
+    sum_virials(velocity);
+    for (const Core& core : cores_) {
+        const std::int32_t ends[2] = {pairs_.rows()[core.row].particle, pairs_.other()[core.pair]};
+        const Four apart = pairs_.apart()[core.pair];
+        const Four force = core.stiffness * core.overlap / apart[3] * apart;
+        for (const std::int32_t end : ends) {
+            sums_[end].moment[0] += with_fourth(0.5F * force * apart, 0);
+            sums_[end].moment[1] += 0.5F * force * turned(apart);
+        }
+    }
+    for (int i = 0; i < local_count_; ++i) {
+        const Four diagonal = sums_[i].moment[0], off = sums_[i].moment[1];
+        const Fabric& fabric = fabrics_[i];
+        const Four deviator = diagonal - four((sum_of_three(diagonal) - diagonal[3]) / 3);
+        const Four rows[3] = {{deviator[0], off[0], off[2], 0}, {off[0], deviator[1], off[1], 0}, {off[2], off[1], deviator[2], 0}};
+        for (int b = 0; b < 3; ++b)
+            corrections_[i].column[b] = fabric.outward[3] * (rows[0] * fabric.inverse[b][0] + rows[1] * fabric.inverse[b][1] +
+                                                             rows[2] * fabric.inverse[b][2]);
+    }
+    clear_sums();
+}
+
+float FlowForces::film_damping(int type) const {
+    const law::NortonMaterial& material = law_.materials[type];
+    return static_cast<float>(C::film * law_.seed_diameter * material.consistency *
+                              std::pow(rate_, material.rate_sensitivity - 1));
+}
+
+void FlowForces::set_walls(const std::vector<NearWall>& walls, double rate) {
+    rate_ = rate;
+    const double d = law_.seed_diameter;
+    films_.clear();
+    film_of_.assign(static_cast<std::size_t>(count_), -1);
+    for (const NearWall& wall : walls) {
+        const int type = type_[wall.particle];
+        const double depth = wall.distance - d / 2;
+        film_of_[wall.particle] = static_cast<std::int32_t>(films_.size());
+        const double stiffness = depth < 0 ? C::core_stiffness * d * law_.materials[type].strength : 0;
+        Film film{};
+        film.particle = wall.particle;
+        for (int c = 0; c < 3; ++c) film.normal[c] = static_cast<float>(wall.normal[c]);
+        film.velocity = static_cast<float>(wall.velocity);
+        film.depth = static_cast<float>(depth);
+        film.damping = film_damping(type);
+        film.stiffness = static_cast<float>(stiffness);
+        films_.push_back(film);
+    }
+}
+
+/// The film acts where the sample meets the face: on the velocity of the centre, extrapolated by the particle's own flow.
+/// @param whole  with the walls' own velocities; else the change alone
+void FlowForces::add_films_to_states(const Four* velocity, bool whole) {
+    for (Film& film : films_) {
+        State& state = states_[film.particle];
+        const Fabric& fabric = fabrics_[film.particle];
+        const Four n = film.normal;
+        const float stretch = sum_of_three(state.diagonal * n * n + state.off * n * turned(n));
+        film.slip = sum_of_three(velocity[film.particle] * n) - (whole ? film.velocity : 0) - film.depth * stretch;
+        const Four arm = n[0] * fabric.inverse[0] + n[1] * fabric.inverse[1] + n[2] * fabric.inverse[2];
+        for (int b = 0; b < 3; ++b)
+            state.traction[b] -= with_fourth(film.damping * film.slip * film.depth * arm[b] * n, 0);
+    }
+}
+
+void FlowForces::add_films(const Four* velocity, bool whole) {
+    for (const Film& film : films_) {
+        const float approach = sum_of_three(velocity[film.particle] * film.normal) - (whole ? film.velocity : 0);
+        const float size = -film.damping * film.slip - film.stiffness * (interval_ * approach + (whole ? film.depth : 0));
+        net_[film.particle] += with_fourth(size * film.normal, 0);
+    }
+}
+
+double FlowForces::wall_force(const WallContact& contact) const {
+    const double d = law_.seed_diameter, depth = contact.distance - d / 2;
+    const State& state = states_[static_cast<std::size_t>(contact.particle)];
+    double stretch = 0;
+    for (int c = 0; c < 3; ++c)
+        stretch += contact.normal[c] *
+                   (state.diagonal[c] * contact.normal[c] + state.off[c] * contact.normal[(c + 1) % 3]);
+    const double stiffness = depth < 0 ? C::core_stiffness * d * law_.materials[contact.type - 1].strength : 0;
+    return -film_damping(contact.type - 1) * (contact.rate - depth * stretch) -
+           stiffness * (depth + interval_ * contact.rate);
+}
+
+void FlowForces::find(const Four* velocity) {
+    find_flow(velocity);
     net_.assign(static_cast<std::size_t>(count_), Four{});
     add_forces(velocity);
     add_cores(velocity, true);
     add_pushes(velocity, true);
+    add_films(velocity, true);
 }
 
 void FlowForces::product(Four* direction) {
@@ -375,11 +572,13 @@ void FlowForces::product(Four* direction) {
     add_moments(direction);
     find_states(false);
     clear_sums();
+    add_films_to_states(direction, false);
     carry_(states_.data(), sizeof(State), sizeof(State));
     net_.assign(static_cast<std::size_t>(count_), Four{});
     add_changes(direction);
     add_cores(direction, false);
     add_pushes(direction, false);
+    add_films(direction, false);
 }
 
 TOMODEM_TWO_PROCESSORS void FlowForces::add_block_parts(std::vector<Block>& blocks) const {
@@ -407,6 +606,17 @@ TOMODEM_TWO_PROCESSORS void FlowForces::add_block_parts(std::vector<Block>& bloc
         block.diagonal += size * crowding * crowding;
         block.off += size * crowding * turned(crowding);
     };
+    const auto reached_along = [&](const Film& film, Four arm) __attribute__((always_inline)) {
+        const Fabric& fabric = fabrics_[film.particle];
+        return sum_of_three(film.normal * (arm[0] * fabric.inverse[0] + arm[1] * fabric.inverse[1] +
+                                           arm[2] * fabric.inverse[2]));
+    };
+    /// @param share  of the slip in a particle's velocity along the normal
+    const auto through_film = [](const Film& film, float share, Block& block) __attribute__((always_inline)) {
+        const float size = film.damping * share * share;
+        block.diagonal += size * film.normal * film.normal;
+        block.off += size * film.normal * turned(film.normal);
+    };
     for (std::size_t row = 0; row + 1 < rows.size(); ++row)
         for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
             const std::int32_t ends[2] = {rows[row].particle, pairs_.other()[k]};
@@ -424,6 +634,8 @@ TOMODEM_TWO_PROCESSORS void FlowForces::add_block_parts(std::vector<Block>& bloc
                 Block& block = blocks[ends[side]];
                 through_flow(fabrics_[ends[1 - side]], pair.apart, block);
                 through_pressure(fabrics_[ends[1 - side]], sign * slope * pair.direction - tilt[1 - side], block);
+                if (const std::int32_t film = film_of_[ends[1 - side]]; film >= 0)
+                    through_film(films_[film], films_[film].depth * reached_along(films_[film], pair.apart), block);
                 block.diagonal += damping_[k] * pair.direction * pair.direction;
                 block.off += damping_[k] * pair.direction * turned(pair.direction);
                 own[ends[side]].arm += sign * pair.apart;
@@ -436,8 +648,11 @@ TOMODEM_TWO_PROCESSORS void FlowForces::add_block_parts(std::vector<Block>& bloc
         // A particle that nothing touches keeps its velocity.
         blocks[i].diagonal += four(1e-6F * static_cast<float>(d) * fabrics_[i].inverse[1][3]);
     }
+    for (const Film& film : films_)
+        through_film(film, 1 - film.depth * reached_along(film, own[film.particle].arm), blocks[film.particle]);
 }
 
+/// Where a particle has two walls, one counts in the blocks of its neighbours, which are an approximation anyway.
 void FlowForces::prepare_blocks(std::vector<Block>& blocks) {
     carry_(fabrics_.data(), sizeof(Fabric), sizeof(Fabric));
     blocks.assign(static_cast<std::size_t>(count_), Block{});
@@ -449,6 +664,11 @@ void FlowForces::prepare_blocks(std::vector<Block>& blocks) {
             blocks[i].diagonal += stiffness * direction * direction;
             blocks[i].off += stiffness * direction * turned(direction);
         }
+    }
+    for (const Film& film : films_) {
+        Block& block = blocks[film.particle];
+        block.diagonal += interval_ * film.stiffness * film.normal * film.normal;
+        block.off += interval_ * film.stiffness * film.normal * turned(film.normal);
     }
     for (std::size_t k = 0; k < pushes_.size(); ++k) {
         const FlowPairs::Pushing& one = pairs_.pushing()[k];
@@ -474,7 +694,7 @@ void FlowForces::for_each_force(const Four* velocity, const PairKernel::UsePair&
             const std::int32_t j = pairs_.other()[k];
             const Geometry pair(pairs_.apart()[k], 1 / reach);
             const Four speed = velocity[i] - velocity[j];
-            Four force = viscous_force(pair, speed, states_[i], states_[j], damping_[k]) +
+            Four force = viscous_force(pair, speed, states_[i], states_[j], damping_[k], weight(k)) +
                          pressure_force(pair, states_[i], states_[j], reach);
             if (core != cores_.end() && core->pair == k) {
                 const float separation = sum_of_three(speed * pair.direction);

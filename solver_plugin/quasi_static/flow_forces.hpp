@@ -29,17 +29,27 @@ class FlowForces {
 
     /// Skin of the pairs, for particles that move little from one place() to the next [mm].
     void set_skin(double skin) { pairs_.set_skin(skin); }
-    /// Pairs, fabric and pressure where the particles are now.
+    /// Pairs, fabric and pressure where the particles are now; after it comes correct().
     /// @param renumbered  whether particles or ghosts are others than in the call before
     void place(const ParticleView& particles, bool renumbered = true);
     /// How long the particles will move with the velocities that are sought [s].
     void set_interval(double interval) { interval_ = static_cast<float>(interval); }
+    /// The walls near the particles.
+    /// @param rate  of the load, which the film between sample and wall goes by [1/s]
+    void set_walls(const std::vector<NearWall>& walls, double rate);
+    /// What goes by the flow but is not found anew with every velocity: the weights of pairs of two phases, and what is
+    /// taken from the tractions (docs/norton.md).
+    /// @param velocity  about as they will be, ghosts included
+    void correct(const Four* velocity);
+    /// Evaluations that correct() takes.
+    int passes_of_a_correction() const { return law_.materials.size() > 1 && !law_.at_rest ? 3 : 1; }
 
     /// Forces with these velocities; the viscosities that they make are used by product() and prepare_blocks() from
     /// here on.
     /// @param velocity  of the particles, ghosts included
     void find(const Four* velocity);
-    /// Of the particles: net force of the pairs [uN]; the fourth is the sum of the magnitudes of the viscous parts.
+    /// Of the particles: net force of pairs and walls [uN]; the fourth is the sum of the magnitudes of the pairs'
+    /// viscous parts.
     const Four* net() const { return net_.data(); }
 
     /// Change of the forces with a change of the velocities, at frozen viscosities; negative, so that it opposes.
@@ -56,6 +66,10 @@ class FlowForces {
 
     /// Sum of f_a r_a over this process' share of the pairs in the last find() [uN mm]; a = x, y, z.
     Four virial() const { return virial_; }
+    /// Of a wall on a particle along its normal, in the last find(), repulsion positive [uN].
+    double wall_force(const WallContact& contact) const;
+    /// Of the film at a wall and of the repulsion behind its face, together [uN.s/mm]; by the walls' order.
+    double wall_stiffness(std::size_t wall) const { return films_[wall].damping + interval_ * films_[wall].stiffness; }
     /// Of the last find().
     double viscosity(int i) const { return states_[static_cast<std::size_t>(i)].traction[1][3]; }
     double strength(int i) const { return fabrics_[static_cast<std::size_t>(i)].inverse[2][3]; }
@@ -69,15 +83,24 @@ class FlowForces {
  private:
     /// What the positions alone make of a particle.
     struct Fabric {
-        Four inverse[3];  ///< rows of A*^-1 [1/mm^2]; fourths: pressure [uN], V eta [mm^3 Pa.s], strength [Pa]
-        Four outward;     ///< n / sqrt(n^2 + n_0^2)
+        Four inverse[3];  ///< rows of A*^-1 [1/mm^2]; fourths: pressure [uN], eta [Pa.s], strength [Pa]
+        Four outward;     ///< n / sqrt(n^2 + n_0^2); the fourth is w, from 0 at a surface to 1
+    };
+    /// Between a particle and a wall: a viscous film at the wall's face, half a diameter before it, and a repulsion
+    /// behind that.
+    struct Film {
+        std::int32_t particle;
+        Four normal;
+        float velocity, depth;  ///< of the wall; of the particle's centre behind the face
+        float damping, stiffness;
+        float slip;  ///< of the sample at the face, in the last pass
     };
     struct Sums {
         Four moment[3];  ///< rows of sum v r
         Four outward;    ///< change of n; the fourth: of rho
     };
     struct State {
-        Four traction[3];  ///< columns of T; fourths: pressure, eta, -
+        Four traction[3];  ///< columns of T; fourths: pressure, eta, unused
         Four diagonal;     ///< of D
         Four off;          ///< 2 D_xy, 2 D_yz, 2 D_zx
         Four lateral;      ///< a_n p n / sqrt(n^2 + n_0^2)
@@ -88,7 +111,8 @@ class FlowForces {
     };
 
     void sum_fabric();
-    void find_fabric(const ParticleView& particles);
+    void find_geometry();
+    void find_fabric();
     void find_cores();
     void find_pushes();
     /// Of a pair of two objects.
@@ -103,6 +127,15 @@ class FlowForces {
 
     void add_moments(const Four* velocity);
     void find_states(bool fresh_viscosity);
+    void find_flow(const Four* velocity);
+    void weigh();
+    void sum_virials(const Four* velocity);
+    void add_films_to_states(const Four* velocity, bool whole);
+    void add_films(const Four* velocity, bool whole);
+    float film_damping(int type) const;
+    float background(const Fabric& fabric) const;
+    /// Of pair k's particle in the flow; its neighbour's is 2 less that.
+    float weight(std::uint32_t k) const { return weights_.empty() ? 1 : weights_[k]; }
     void add_forces(const Four* velocity);
     void add_changes(const Four* direction);
     void add_cores(const Four* velocity, bool whole);
@@ -114,10 +147,19 @@ class FlowForces {
     Carry carry_;
     float interval_ = 0;
     int local_count_ = 0, count_ = 0;
-    std::vector<std::uint8_t> type_;  ///< of the particles of this process, from 0
+    std::vector<std::uint8_t> type_;  ///< of the particles, from 0
     FlowPairs pairs_;
     std::vector<Core> cores_;
     std::vector<float> damping_;  ///< of each pair [uN.s/mm]
+    std::vector<float> weights_;  ///< of each pair; empty where there is one material
+    std::vector<Film> films_;
+    std::vector<std::int32_t> film_of_;  ///< of each particle, or -1: the last one
+    double rate_ = 0;                    ///< of the load [1/s]
+    /// Of each particle: columns of what is taken from its traction.
+    struct Correction {
+        Four column[3];
+    };
+    std::vector<Correction> corrections_;
     std::vector<Push> pushes_;
     std::vector<Fabric> fabrics_;
     std::vector<Sums> sums_;

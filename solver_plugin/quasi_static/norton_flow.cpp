@@ -33,8 +33,6 @@ constexpr double shortest_part = 1e-6;
 constexpr double way_at_rest = 0.05;
 /// Cell of the coarse grid, in diameters.
 constexpr double cell = 4;
-/// Velocity against a wall, over diameter and rate of the load, that the film cannot have: it was not there before.
-constexpr double strange_slip = 0.02;
 
 double dot(const std::vector<Four>& a, const std::vector<Four>& b, int count) {
     double sum = 0;
@@ -62,10 +60,6 @@ Four times(const FlowForces::Block& block, Four v) {
                                      block.off[2] * v[0] + block.off[1] * v[1], 0};
 }
 
-std::int64_t key(std::int32_t id, int wall) {
-    return static_cast<std::int64_t>(id) << 16 | wall;
-}
-
 }  // namespace
 
 NortonFlow::NortonFlow() {
@@ -77,33 +71,8 @@ void NortonFlow::set_law(const law::Norton& law, double imbalance) {
     imbalance_ = imbalance;
 }
 
-/// By the present rate: by the highest of the load, a sample would slip where it flows slowly and M is small.
-/// @param type  of the particle, from 0
-double NortonFlow::film(int type) const {
-    const law::NortonMaterial& material = law().materials[type];
-    return C::wall_viscosity * law().seed_diameter * material.consistency *
-           std::pow(rate_, material.rate_sensitivity - 1);
-}
-
-double NortonFlow::film_at(std::size_t wall) const {
-    return film(wall_type_[wall]);
-}
-
-double NortonFlow::stiffness(std::size_t wall) const {
-    const double d = law().seed_diameter;
-    return walls_[wall].distance < d / 2 ? C::core_stiffness * d * law().materials[wall_type_[wall]].strength : 0;
-}
-
-void NortonFlow::add_walls(const Four* motion, bool whole, Four* force) const {
-    for (std::size_t k = 0; k < walls_.size(); ++k) {
-        const NearWall& wall = walls_[k];
-        const Four own = motion[wall.particle];
-        double approach = whole ? -wall.velocity : 0;
-        for (int c = 0; c < 3; ++c) approach += wall.normal[c] * own[c];
-        double size = -(film_at(k) + interval_ * stiffness(k)) * approach;
-        if (whole) size += stiffness(k) * (law().seed_diameter / 2 - wall.distance);
-        for (int c = 0; c < 3; ++c) force[wall.particle][c] += static_cast<float>(size * wall.normal[c]);
-    }
+double NortonFlow::plane_reach(double) const {
+    return (0.5 + C::film_range) * law().seed_diameter;
 }
 
 /// The velocities that the particles have brought along: where the search begins.
@@ -111,43 +80,20 @@ void NortonFlow::take(const ParticleView& particles) {
     for (int i = 0; i < local_count_; ++i) std::copy_n(particles.velocity + 3 * i, 3, found_[i].begin());
 }
 
-/// A particle that was at the wall keeps its velocity against it; one that comes to it begins with none, or the film,
-/// which is stiff, would make forces far beyond all others.
-void NortonFlow::follow_walls(const ParticleView& particles, bool set_up) {
-    for (const NearWall& wall : walls_) {
-        std::array<double, 3>& own = found_[wall.particle];
-        double approach = -wall.velocity;
-        for (int c = 0; c < 3; ++c) approach += wall.normal[c] * own[c];
-        double wanted = 0;
-        if (set_up) {
-            // A run that is set up anew has the velocities of its last step.
-            if (std::abs(approach) <= strange_slip * law().seed_diameter * rate_) continue;
-        } else if (const auto slip = slips_.find(key(particles.id[wall.particle], wall.wall)); slip != slips_.end()) {
-            wanted = slip->second;
-        }
-        for (int c = 0; c < 3; ++c) own[c] += (wanted - approach) * wall.normal[c];
-    }
-}
-
-void NortonFlow::remember_slips(const ParticleView& particles) {
-    slips_.clear();
-    for (const NearWall& wall : walls_) {
-        double approach = -wall.velocity;
-        for (int c = 0; c < 3; ++c) approach += wall.normal[c] * found_[wall.particle][c];
-        slips_[key(particles.id[wall.particle], wall.wall)] = approach;
-    }
-}
-
-void NortonFlow::find_forces() {
+/// velocity_, ghosts included, from found_.
+void NortonFlow::find_velocities() {
     for (int i = 0; i < local_count_; ++i)
         velocity_[i] = Four{static_cast<float>(found_[i][0]), static_cast<float>(found_[i][1]),
                             static_cast<float>(found_[i][2]), 0};
     carry(velocity_.data(), sizeof(Four), 3 * sizeof(float));
     for (int i = local_count_; i < count_; ++i) velocity_[i] += jump_[i - local_count_];
+}
+
+void NortonFlow::find_forces() {
+    find_velocities();
     forces_.find(velocity_.data());
     ++work_.forces;
     std::copy_n(forces_.net(), local_count_, net_.begin());
-    add_walls(velocity_.data(), true, net_.data());
     // The law keeps a sample's angular momentum in the mean only: what would turn it as a whole, nothing can balance.
     rigid_.remove(net_, surroundings());
     double norms[2] = {dot(net_, net_, local_count_), 0};
@@ -160,15 +106,6 @@ void NortonFlow::find_forces() {
 void NortonFlow::prepare() {
     ++work_.blocks;
     forces_.prepare_blocks(blocks_);
-    for (std::size_t k = 0; k < walls_.size(); ++k) {
-        const double* const n = walls_[k].normal;
-        const double size = film_at(k) + interval_ * stiffness(k);
-        FlowForces::Block& block = blocks_[walls_[k].particle];
-        for (int c = 0; c < 3; ++c) {
-            block.diagonal[c] += static_cast<float>(size * n[c] * n[c]);
-            block.off[c] += static_cast<float>(size * n[c] * n[(c + 1) % 3]);
-        }
-    }
     for (int i = 0; i < local_count_; ++i) invert(blocks_[i]);
 
     const double d = law().seed_diameter, volume = C::volume * d * d * d;
@@ -179,8 +116,8 @@ void NortonFlow::prepare() {
                                                           4 * interval_ * C::pressure * forces_.strength(i))};
     }
     std::vector<double> walls(walls_.size());
-    for (std::size_t k = 0; k < walls.size(); ++k) walls[k] = film_at(k) + interval_ * stiffness(k);
-    grid_.fill(materials, walls_, walls, surroundings());
+    for (std::size_t k = 0; k < walls.size(); ++k) walls[k] = forces_.wall_stiffness(k);
+    grid_.fill(materials, walls_, d / 2, walls, surroundings());
 }
 
 /// step_ = an approximate solution for rest_.
@@ -222,7 +159,6 @@ void NortonFlow::find_motion(double tolerance) {
         forces_.product(direction_.data());
         ++work_.products;
         std::copy_n(forces_.change(), local_count_, step_.begin());
-        add_walls(direction_.data(), false, step_.data());
         rigid_.remove(step_, surroundings());
         double against = -dot(direction_, step_, local_count_);
         surroundings().add_up(&against, 1);
@@ -295,8 +231,10 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
             jump_[i - local_count_][c] = static_cast<float>(particles.velocity[3 * i + c]) - velocity_[i][c];
     grid_.lay(particles.position, local_count_, cell * law().seed_diameter, surroundings());
 
-    rate_ = law().at_rest ? 0 : surroundings().rate(step.start);
-    if (rate_ == 0) rate_ = law().flow_rate;
+    // By the highest rate of the load, a sample would slip where it flows slowly and M is small.
+    double rate = law().at_rest ? 0 : surroundings().rate(step.start);
+    if (rate == 0) rate = law().flow_rate;
+    bool corrected = false;
     interval_ = step.start < 0 ? -step.start : step.time_step;
     for (;; interval_ /= 2) {
         if (interval_ < shortest_part * step.time_step)
@@ -307,14 +245,17 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
                 net_norm_ / load_norm_, imbalance_));
         forces_.set_interval(interval_);
         walls_ = surroundings().walls(step.start, interval_);
-        wall_type_.resize(walls_.size());
-        for (std::size_t k = 0; k < walls_.size(); ++k) wall_type_[k] = particles.type[walls_[k].particle] - 1;
+        forces_.set_walls(walls_, rate);
         take(particles);
-        follow_walls(particles, step.set_up);
+        if (!corrected) {
+            find_velocities();
+            forces_.correct(velocity_.data());
+            work_.corrections += forces_.passes_of_a_correction();
+            corrected = true;
+        }
         rigid_.find(particles.position, local_count_, walls_, surroundings());
         if (balance()) break;
     }
-    remember_slips(particles);
     good_for_ = interval_;
     if (law().at_rest) {
         double fastest = 0;
@@ -337,12 +278,6 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
 void NortonFlow::pair_forces(const ParticleView&, const NeighbourView&, const ContactMemory*,
                              const UsePair& use) const {
     forces_.for_each_force(velocity_.data(), use);
-}
-
-double NortonFlow::wall_force(const WallContact& contact) const {
-    const double d = law().seed_diameter, strength = law().materials[contact.type - 1].strength;
-    const double core = contact.distance < d / 2 ? C::core_stiffness * d * strength : 0;
-    return core * (d / 2 - contact.distance) - (film(contact.type - 1) + interval_ * core) * contact.rate;
 }
 
 double NortonFlow::seed_energy(const ParticleView&, const NeighbourView&) const {

@@ -1,7 +1,6 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "solver_plugin/quasi_static/coarse_grid.hpp"
@@ -29,24 +28,21 @@ class NortonFlow final : public FlowKernel {
                     ContactMemory* memory, const UsePair* use) override;
     void pair_forces(const ParticleView& particles, const NeighbourView& list, const ContactMemory* memory,
                      const UsePair& use) const override;
-    double wall_force(const WallContact& contact) const override;
+    double wall_force(const WallContact& contact) const override { return forces_.wall_force(contact); }
+    double plane_reach(double radius) const override;
+    double face() const override { return law().seed_diameter / 2; }
     double seed_energy(const ParticleView& particles, const NeighbourView& list) const override;
 
  private:
     const law::Norton& law() const { return forces_.law(); }
     void take(const ParticleView& particles);
-    void follow_walls(const ParticleView& particles, bool set_up);
-    void remember_slips(const ParticleView& particles);
+    void find_velocities();
     bool balance();
     bool is_balanced() const { return net_norm_ <= imbalance_ * load_norm_; }
     void find_forces();
     void find_motion(double tolerance);
     void prepare();
     double precondition(double& along);
-    void add_walls(const Four* motion, bool whole, Four* force) const;
-    double film(int type) const;
-    double film_at(std::size_t wall) const;
-    double stiffness(std::size_t wall) const;
 
     FlowForces forces_;
     CoarseGrid grid_;
@@ -58,9 +54,6 @@ class NortonFlow final : public FlowKernel {
 
     int local_count_ = 0, count_ = 0;
     std::vector<NearWall> walls_;
-    double rate_ = 0;                                 ///< of the load, in this step [1/s]
-    std::vector<int> wall_type_;                      ///< from 0, of the particle at each wall
-    std::unordered_map<std::int64_t, double> slips_;  ///< velocity against a wall, by particle and wall
     std::vector<Four> jump_;  ///< of the velocity of each ghost against its owner's: periodic sides that move
     std::vector<std::array<double, 3>> found_;  ///< the velocities, as they are found
     std::vector<Four> velocity_;                ///< likewise, ghosts included

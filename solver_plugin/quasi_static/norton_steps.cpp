@@ -19,6 +19,7 @@ void NortonSteps::add_forces(const ParticleView& particles, const NeighbourView&
     velocity_.resize(static_cast<std::size_t>(particles.count) + 1);
     for (int i = 0; i < particles.count; ++i)
         for (int c = 0; c < 3; ++c) velocity_[i][c] = static_cast<float>(particles.velocity[3 * i + c]);
+    forces_.correct(velocity_.data());
     forces_.find(velocity_.data());
     for (int i = 0; i < particles.local_count; ++i)
         for (int c = 0; c < 3; ++c) forces[3 * i + c] += forces_.net()[i][c];

@@ -33,6 +33,8 @@ std::vector<CurveValue> curve_values(const Scene& scene, const Point& point, con
                                {"force_bottom", "uN", point.force_bottom},
                                {"equilibrium_error", "", point.equilibrium_error},
                                {"section", "mm^2", point.section}});
+    if (!scene.steps.empty() && scene.law().traits().measures_by_volume)
+        all.push_back({"stress_virial", "Pa", point.stress_virial});
     all.insert(all.end(), {{"kinetic_energy", "nJ", energies.kinetic}, {"potential_energy", "nJ", energies.seeds}});
     if (scene.scheme == Scheme::quasi_static) all.push_back({"evaluations", "", static_cast<double>(evaluations)});
     for (std::size_t k = 0; k < scene.walls.size(); ++k)

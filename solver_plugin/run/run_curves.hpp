@@ -71,7 +71,7 @@ class ForceWindow {
 };
 
 struct Point {
-    double strain, stress_true, stress_engineering, force_top, force_bottom, equilibrium_error, section;
+    double strain, stress_true, stress_engineering, force_top, force_bottom, equilibrium_error, section, stress_virial;
 };
 
 /// @param forces           means over the window

@@ -95,6 +95,7 @@ class Pressing {
         has_objects_ = !sample_->object.empty();
         const Vec3 edges = sample_->box.edges;
         initial_section_ = edges[(scene.axis + 1) % 3] * edges[(scene.axis + 2) % 3];
+        filled_volume_ = sample_->box.volume();
         if (before_) total_strain_ = before_->end.total_strain;
         if (scene.write_velocity) fields_.push_back(velocity_field);
         if (scene.self_contact) fields_.push_back(outward_field);
@@ -169,6 +170,7 @@ class Pressing {
             continue_before();
         else
             rest_first();
+        find_section();
         start_ = simulation().step();
 
         sample_->box.periodic = {false, false, false};
@@ -198,6 +200,13 @@ class Pressing {
         write_frame();
         write_point(0, measure(0, forces.planes, initial_section_, initial_section_), forces.walls, energies, 0);
         take_snapshot();
+    }
+
+    /// The faces are where the planes found enough to hold. A load that goes on from another has its section.
+    void find_section() {
+        if (model_.law->traits().measures_by_volume && model_.lateral == Lateral::free && !scene_.steps.empty() &&
+            !before_)
+            initial_section_ = filled_volume_ / simulation().initial_height();
     }
 
     /// Of a sample, and between planes that pull.
@@ -261,6 +270,7 @@ class Pressing {
         sample_.reset();
         simulation().restore(found);
         place_walls(simulation(), scene_, WallsInside::allowed);
+        find_section();
         next_ = static_cast<std::size_t>(checkpoint.number("next_point"));
         start_ = static_cast<std::int64_t>(checkpoint.number("first_step"));
         steps_before_ = static_cast<std::int64_t>(checkpoint.number("steps_before"));
@@ -321,7 +331,10 @@ class Pressing {
         window_.add({simulation().take_forces(), simulation().take_wall_forces(), steps});
         const Forces forces = window_.mean();
         const double section = simulation().periodic_section().value_or(initial_section_ * std::exp(-strain()));
-        const Point measured = measure(strain(), forces.planes, section, initial_section_);
+        Point measured = measure(strain(), forces.planes, section, initial_section_);
+        if (!scene_.steps.empty() && model_.law->traits().measures_by_volume)
+            measured.stress_virial =
+                simulation().axial_virial() / (section * simulation().initial_height() * std::exp(simulation().strain()));
         const std::int64_t evaluations = simulation().evaluations() - evaluations_before;
         evaluations_ += evaluations;
         ++next_;
@@ -529,7 +542,7 @@ class Pressing {
     std::vector<PlannedPoint> plan_;
     ForceWindow window_;
     std::vector<ParticleField> fields_;
-    double initial_section_ = 0;
+    double initial_section_ = 0, filled_volume_ = 0;
     std::optional<OutputFile> output_;  // on the first process
     std::optional<RunFile> file_;
     std::optional<Simulation> simulation_;

@@ -85,6 +85,9 @@ class Simulation {
     /// Greatest over the phases of kinetic energy over N k_rep r_s^2, each with its own particles and stiffness.
     double max_kinetic_energy_of_a_phase() const;
     double initial_height() const;  ///< H0 [mm] of the sample's own lengths
+    /// Sum of force times lever along the load, over pairs and walls, in the last step of a run: the mean stress times
+    /// the volume [uN mm]. Collective.
+    double axial_virial() const;
     std::int64_t particles() const;
     std::int64_t initial_particles() const;  ///< of the sample
     double seed_radius() const;              ///< [mm] of the sample's own lengths

@@ -195,6 +195,13 @@ double Simulation::initial_height() const {
     return state_->planes->motion().initial_height / state_->scale;
 }
 
+double Simulation::axial_virial() const {
+    const State& s = *state_;
+    double walls = s.planes == nullptr ? 0 : s.planes->virial();
+    for (const FixSurface* surface : s.surfaces) walls += surface->virial();
+    return (s.total(walls) - s.pair->virial()[2]) / std::pow(s.scale, 3);
+}
+
 std::int64_t Simulation::particles() const {
     return std::llround(state_->total(state_->atom().nlocal));
 }

@@ -94,6 +94,7 @@ class NortonLaw final : public Law {
         : Law({.name = "norton",
                .feature = "viscous_flow_and_pressure_of_the_density",
                .carries_tension = true,
+               .measures_by_volume = true,
                .planes_pull = true,
                .starts_with_the_flow = true,
                .quasi_static = true,

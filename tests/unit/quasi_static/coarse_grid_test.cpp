@@ -47,8 +47,8 @@ TEST(CoarseGrid, FindsTheUniformStretchBetweenTwoWalls) {
         walls.push_back({i, 0, {0, 0, side}, 0, 0});
         force[i][2] = static_cast<float>(-stiffness * side);  // of a wall that moves by 1 outwards
     }
-    grid.fill(std::vector<CoarseGrid::Material>(count, {1, 0}), walls, std::vector<double>(walls.size(), stiffness),
-              surroundings);
+    grid.fill(std::vector<CoarseGrid::Material>(count, {1, 0}), walls, 0,
+              std::vector<double>(walls.size(), stiffness), surroundings);
     std::vector<double> nodes(static_cast<std::size_t>(grid.size()), 0.0);
     grid.gather(force.data(), nodes.data());
     grid.solve(nodes.data());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/law/norton_law.hpp"
+#include "tests/unit/law/norton_reference.hpp"
 
 namespace tomodem::plugin {
 namespace {
@@ -63,37 +64,16 @@ law::Norton norton() {
             .materials = {{3e7, 0.3, 2e6}, {9e7, 0.5, 4e6}}};
 }
 
-/// Net forces by the law itself, particle by particle, in double precision.
-std::vector<Vector3d> forces_of_the_law(const law::Norton& law, const Cloud& cloud, bool objects) {
-    const auto same = [&](int i, int j) { return !objects || cloud.object[i] == cloud.object[j]; };
-    std::vector<law::NortonState> states;
+law::NortonReference reference(const Cloud& cloud, bool objects) {
+    law::NortonReference reference;
+    reference.law = norton();
     for (int i = 0; i < cloud.count(); ++i) {
-        law::NortonSums sums{};
-        for (int j = 0; j < cloud.count(); ++j) {
-            const Vector3d apart = cloud.at(i) - cloud.at(j), speed = cloud.speed(i) - cloud.speed(j);
-            const double closeness = 1 - apart.norm() / (C::crown * diameter);
-            if (j == i || closeness < 0) continue;
-            for (int c = 0; c < 3; ++c) {
-                sums.outward[c] += closeness * closeness * apart[c] / apart.norm();
-                if (!same(i, j)) continue;
-                for (int b = 0; b < 3; ++b) sums.moment[c][b] += speed[c] * apart[b];
-                sums.diagonal[c] += apart[c] * apart[c];
-                sums.off[c] += apart[c] * apart[(c + 1) % 3];
-            }
-            sums.diagonal[3] += closeness * closeness;
-        }
-        states.push_back(norton_state(law, law.materials[cloud.type[i] - 1], sums));
+        reference.positions.push_back(cloud.at(i));
+        reference.velocities.push_back(cloud.speed(i));
+        reference.materials.push_back(cloud.type[i] - 1);
+        if (objects) reference.objects.push_back(cloud.object[i]);
     }
-    std::vector<Vector3d> forces(states.size(), Vector3d::Zero());
-    for (int i = 0; i < cloud.count(); ++i)
-        for (int j = 0; j < cloud.count(); ++j) {
-            const Vector3d apart = cloud.at(i) - cloud.at(j), speed = cloud.speed(i) - cloud.speed(j);
-            if (j == i || apart.norm() > C::crown * diameter) continue;
-            Vector3d force;
-            norton_force(law, states[i], states[j], apart.data(), speed.data(), same(i, j), force.data());
-            forces[i] += force;
-        }
-    return forces;
+    return reference;
 }
 
 Vector3d vector(Four four) {
@@ -104,6 +84,16 @@ double size_of(const std::vector<Vector3d>& vectors) {
     double squares = 0;
     for (const Vector3d& one : vectors) squares += one.squaredNorm();
     return std::sqrt(squares);
+}
+
+/// A wall below and another above, near to what is there.
+std::vector<NearWall> walls_at(const Cloud& cloud) {
+    std::vector<NearWall> walls;
+    for (int i = 0; i < cloud.count(); ++i)
+        for (const double side : {1.0, -1.0})
+            if (const double distance = side > 0 ? cloud.at(i)[2] + 0.3 : 3.3 - cloud.at(i)[2]; distance < 1.25 * diameter)
+                walls.push_back({i, side > 0 ? 0 : 1, {0, 0, side}, distance, 0.3 * rate});
+    return walls;
 }
 
 class FlowForcesTest : public testing::TestWithParam<bool> {
@@ -118,15 +108,20 @@ class FlowForcesTest : public testing::TestWithParam<bool> {
 
 TEST_P(FlowForcesTest, AreThoseOfTheLawWhileNothingMoves) {
     const Cloud cloud(60);
+    law::NortonReference reference = plugin::reference(cloud, GetParam());
     FlowForces forces = this->forces();
     forces.place(cloud.view(GetParam()));
     forces.set_interval(0);
-    forces.find(cloud.fours().data());
-    const std::vector<Vector3d> wanted = forces_of_the_law(norton(), cloud, GetParam());
-    std::vector<Vector3d> errors;
-    for (int i = 0; i < cloud.count(); ++i) errors.push_back(vector(forces.net()[i]) - wanted[i]);
-    // Where two objects just touch, the corner of their repulsion is rounded.
-    EXPECT_LT(size_of(errors), (GetParam() ? 3e-4 : 3e-6) * size_of(wanted));
+    for (const bool corrected : {false, true}) {
+        if (corrected) forces.correct(cloud.fours().data());
+        forces.find(cloud.fours().data());
+        const std::vector<Vector3d> wanted =
+            reference.forces(corrected ? reference.corrected_states() : reference.states());
+        std::vector<Vector3d> errors;
+        for (int i = 0; i < cloud.count(); ++i) errors.push_back(vector(forces.net()[i]) - wanted[i]);
+        // Where two objects just touch, the corner of their repulsion is rounded.
+        EXPECT_LT(size_of(errors), (GetParam() ? 3e-4 : 6e-6) * size_of(wanted)) << corrected;
+    }
 }
 
 /// The elastic forces are those at the end of the interval, to the first order in the way: along the change that they
@@ -141,9 +136,12 @@ TEST_P(FlowForcesTest, HaveTheElasticForcesOfTheEndOfTheInterval) {
     Cloud still = cloud, later_still = later;
     still.velocity.assign(still.velocity.size(), 0.0);
     later_still.velocity = still.velocity;
-    const std::vector<Vector3d> moving = forces_of_the_law(norton(), cloud, GetParam());
-    const std::vector<Vector3d> elastic_now = forces_of_the_law(norton(), still, GetParam());
-    const std::vector<Vector3d> elastic_then = forces_of_the_law(norton(), later_still, GetParam());
+    const auto forces_of_the_law = [](const Cloud& particles) {
+        const law::NortonReference of = reference(particles, false);
+        return of.forces(of.states());
+    };
+    const std::vector<Vector3d> moving = forces_of_the_law(cloud), elastic_now = forces_of_the_law(still),
+                                elastic_then = forces_of_the_law(later_still);
 
     FlowForces forces = this->forces();
     forces.place(cloud.view(GetParam()));
@@ -168,6 +166,8 @@ TEST_P(FlowForcesTest, ChangeByTheProductWhereTheViscosityIsThatOfRest) {
     forces.set_law(law);
     forces.place(cloud.view(GetParam()));
     forces.set_interval(0.01 / rate);
+    forces.set_walls(walls_at(cloud), rate);
+    forces.correct(cloud.fours().data());
     std::vector<Four> direction = cloud.fours(), none(direction.size(), Four{});
     forces.find(none.data());
     std::vector<Vector3d> change;
@@ -185,6 +185,49 @@ TEST_P(FlowForcesTest, ChangeByTheProductWhereTheViscosityIsThatOfRest) {
 
 INSTANTIATE_TEST_SUITE_P(Objects, FlowForcesTest, testing::Bool());
 
+/// The film resists the velocity that the flow has at the face, half a diameter before the wall: its force is the
+/// gradient of the power c s^2 / 2.
+TEST(FlowForcesAtWalls, HaveThePowerOfTheSlipAtTheFace) {
+    Cloud cloud(60);
+    const std::vector<NearWall> walls = walls_at(cloud);
+    FlowForces alone, forces;
+    for (FlowForces* each : {&alone, &forces}) {
+        each->set_law(norton());
+        each->set_carry([](void*, std::size_t, std::size_t) {});
+        each->place(cloud.view());
+        each->set_interval(0);
+        each->set_walls(each == &alone ? std::vector<NearWall>{} : walls, rate);
+        each->find(cloud.fours().data());
+    }
+    law::NortonReference reference = plugin::reference(cloud, false);
+    const std::vector<law::NortonState> states = reference.states();
+    double power = 0, wanted = 0;
+    Vector3d sum = Vector3d::Zero(), pushed = Vector3d::Zero();
+    for (const NearWall& wall : walls) {
+        const Vector3d normal(wall.normal);
+        const int type = cloud.type[wall.particle];
+        const law::NortonMaterial material = norton().materials[type - 1];
+        const double film = C::film * diameter * material.consistency * std::pow(rate, material.rate_sensitivity - 1);
+        const double depth = wall.distance - diameter / 2, approach = cloud.speed(wall.particle).dot(normal) - wall.velocity;
+        const double slip = approach - depth * states[wall.particle].diagonal[2];
+        const double repulsion = C::core_stiffness * diameter * material.strength * std::max(0.0, -depth);
+        const double force = repulsion - film * slip;
+        EXPECT_NEAR(forces.wall_force({wall.particle, type, 0, wall.distance, approach, 0, 0, {0, 0, normal[2]}}), force,
+                    1e-4 * film * rate);
+        pushed += force * normal;
+        power += repulsion * cloud.speed(wall.particle).dot(normal);
+        power -= film * slip * (slip + wall.velocity);
+    }
+    for (int i = 0; i < cloud.count(); ++i) {
+        const Vector3d change = vector(forces.net()[i] - alone.net()[i]);
+        sum += change;
+        wanted += change.dot(cloud.speed(i));
+    }
+    EXPECT_GT(walls.size(), 20U);
+    EXPECT_NEAR(power, wanted, 1e-3 * std::abs(wanted));
+    EXPECT_LT((sum - pushed).norm(), 1e-3 * pushed.norm());
+}
+
 /// With the strain in the interval: the elastic part grows with it.
 class FlowForcesBlocks : public testing::TestWithParam<double> {};
 
@@ -198,6 +241,7 @@ TEST_P(FlowForcesBlocks, AreTheAnswerOfAParticleToItsOwnVelocity) {
     forces.set_carry([](void*, std::size_t, std::size_t) {});
     forces.place(cloud.view());
     forces.set_interval(GetParam() / rate);
+    forces.set_walls(walls_at(cloud), rate);
     forces.find(cloud.fours().data());
     std::vector<FlowForces::Block> blocks;
     forces.prepare_blocks(blocks);
