@@ -567,13 +567,25 @@ double FlowForces::wall_force(const WallContact& contact) const {
            stiffness * (depth + interval_ * contact.rate);
 }
 
-void FlowForces::find(const Four* velocity) {
-    find_flow(velocity);
+void FlowForces::add_pair_forces(const Four* velocity) {
     net_.assign(static_cast<std::size_t>(count_), Four{});
     add_forces(velocity);
     add_cores(velocity, true);
     add_pushes(velocity, true);
+}
+
+void FlowForces::find(const Four* velocity) {
+    find_flow(velocity);
+    add_pair_forces(velocity);
     add_films(velocity, true);
+}
+
+void FlowForces::find_corrected(const Four* velocity) {
+    correct(velocity);
+    for (int i = 0; i < local_count_; ++i)
+        for (int b = 0; b < 3; ++b) states_[i].traction[b] += corrections_[i].column[b];
+    carry_(states_.data(), sizeof(State), sizeof(State));
+    add_pair_forces(velocity);
 }
 
 void FlowForces::product(Four* direction) {

@@ -48,8 +48,10 @@ class FlowForces {
     /// here on.
     /// @param velocity  of the particles, ghosts included
     void find(const Four* velocity);
-    /// Of the particles: net force of pairs and walls [uN]; the fourth is the sum of the magnitudes of the pairs' viscous
-    /// parts.
+    /// What correct() and find() do at the same velocities, with one flow less to find; without walls.
+    void find_corrected(const Four* velocity);
+    /// Of the particles: net force of pairs and walls [uN]; the fourth is the sum of the magnitudes of the pairs'
+    /// viscous parts.
     const Four* net() const { return net_.data(); }
 
     /// Change of the forces with a change of the velocities, at frozen viscosities; negative, so that it opposes.
@@ -133,6 +135,7 @@ class FlowForces {
     void add_films_to_states(const Four* velocity, bool whole);
     void add_films(const Four* velocity, bool whole);
     float film_damping(int type) const;
+    void add_pair_forces(const Four* velocity);
     float background(const Fabric& fabric) const;
     /// Of pair k's particle in the flow; its neighbour's is 2 less that.
     float weight(std::uint32_t k) const { return weights_.empty() ? 1 : weights_[k]; }

@@ -19,7 +19,7 @@ void NortonSteps::add_forces(const ParticleView& particles, const NeighbourView&
     velocity_.resize(static_cast<std::size_t>(particles.count) + 1);
     for (int i = 0; i < particles.count; ++i)
         for (int c = 0; c < 3; ++c) velocity_[i][c] = static_cast<float>(particles.velocity[3 * i + c]);
-    forces_.find(velocity_.data());
+    forces_.find_corrected(velocity_.data());
     for (int i = 0; i < particles.local_count; ++i)
         for (int c = 0; c < 3; ++c) forces[3 * i + c] += forces_.net()[i][c];
     if (use != nullptr) forces_.for_each_force(velocity_.data(), *use);
@@ -30,6 +30,8 @@ void NortonSteps::pair_forces(const ParticleView&, const NeighbourView&, const C
     forces_.for_each_force(velocity_.data(), use);
 }
 
+/// The film of the quasi-static scheme, which acts on the flow at the face, would need shorter steps: this one acts on
+/// the particle, and its force is that of the end of the step.
 double NortonSteps::wall_force(const WallContact& contact) const {
     return law::norton_wall_force(forces_.law(), forces_.law().materials[contact.type - 1].strength, contact.distance,
                                   contact.rate, contact.other_force, contact.time_step_over_mass);

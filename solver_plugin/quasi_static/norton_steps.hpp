@@ -21,6 +21,7 @@ class NortonSteps final : public FlowKernel {
     void pair_forces(const ParticleView& particles, const NeighbourView& list, const ContactMemory* memory,
                      const UsePair& use) const override;
     double wall_force(const WallContact& contact) const override;
+    double face() const override { return forces_.law().seed_diameter / 2; }
     double seed_energy(const ParticleView& particles, const NeighbourView& list) const override;
 
  private:

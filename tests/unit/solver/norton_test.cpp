@@ -87,8 +87,8 @@ double error_of_forces(const Packing& packing) {
     Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
     const std::vector<Vec3> forces = plugin::SimulationProbe(simulation).forces_at(velocities);
     if (rank() != 0) return 0;
-    const law::NortonReference reference = tomodem::reference(packing, model, velocities);
-    std::vector<Vec3> expected = reference.forces(reference.states());
+    law::NortonReference reference = tomodem::reference(packing, model, velocities);
+    std::vector<Vec3> expected = reference.forces(reference.corrected_states());
     for (Vec3& force : expected) force *= std::pow(packing.seed_radius / model.seed_radius, 2);
     double largest = 0, difference = 0;
     for (std::size_t k = 0; k < forces.size(); ++k) {
