@@ -16,6 +16,7 @@ NortonState norton_state(const Norton& law, const NortonMaterial& material, cons
         of.diagonal[c] = sums.diagonal[c];
         of.off[c] = sums.off[c];
         of.outward[c] = sums.outward[c];
+        of.of_own[c] = sums.of_own[c];
     }
     of.density = sums.diagonal[3];
     NortonStateOf<double> found;
@@ -69,12 +70,17 @@ void norton_force(const Norton& law, const NortonState& i, const NortonState& j,
     }
 }
 
-void norton_correct(NortonState& state, const double (&virial)[3][3], double background) {
-    const double mean = (virial[0][0] + virial[1][1] + virial[2][2] - background) / 3;
+void norton_correct(const Norton& law, NortonState& state, const double (&virial)[3][3], double background) {
+    const double trace = virial[0][0] + virial[1][1] + virial[2][2], mean = (trace - background) / 3;
+    double squares = 0;
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) squares += 1.5 * std::pow(virial[a][b] - (a == b ? trace / 3 : 0), 2);
+    const double most = C::most_corrected * C::volume * std::pow(law.seed_diameter, 3) * state.strength();
+    const double share = state.inside * std::min(1.0, most / std::sqrt(squares));
     for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b)
             for (int c = 0; c < 3; ++c)
-                state.traction[b][a] += state.inside * (virial[a][c] - (a == c ? mean : 0)) * state.inverse[c][b];
+                state.traction[b][a] += share * (virial[a][c] - (a == c ? mean : 0)) * state.inverse[c][b];
 }
 
 double norton_wall_force(const Norton& law, double strength, double distance, double approach, double other,

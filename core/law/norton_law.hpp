@@ -22,6 +22,7 @@ struct NortonConstants {
     static constexpr double pair_share = 0.4;      ///< chi: viscosity of what is not in the mean flow, over eta d
     static constexpr double bulk_viscosity = 2;    ///< over eta
     static constexpr double rate_floor = 0.1;      ///< of the load's lowest rate: below, the viscosity does not grow
+    static constexpr double most_corrected = 2;  ///< of a stress, over strength: more, and a particle runs away
     static constexpr double film = 30;          ///< between sample and wall, over strength d / flow_rate
     static constexpr double film_range = 0.75;  ///< of centres, from the face [d]
     static constexpr double wall_viscosity =
@@ -49,6 +50,7 @@ struct NortonSums {
     double diagonal[4];   ///< of the fabric A = sum r r [mm^2]; the fourth is rho = sum u^2
     double off[4];        ///< A_xy, A_yz, A_zx
     double outward[4];    ///< n = sum u^2 r / |r|
+    double of_own[4];     ///< the part of n of the neighbours in the same body
 };
 
 /// What the force of a pair needs of its particles.
@@ -88,7 +90,7 @@ inline double norton_weight(double own_viscosity, double other_viscosity) {
 /// makes of them would otherwise add to the flow stress, more and more with the strain.
 /// @param virial      W = 1/2 sum sym(f r) over the neighbours, f without T [uN.mm]
 /// @param background  trace of the background's share of W
-void norton_correct(NortonState& state, const double (&virial)[3][3], double background);
+void norton_correct(const Norton& law, NortonState& state, const double (&virial)[3][3], double background);
 
 /// Force of a wall along its normal, repulsion positive [uN]: seeds are held off, and a viscous film makes the crown
 /// follow the wall's normal motion. The film is so stiff that its force is that of the end of the time step.

@@ -12,7 +12,7 @@ struct NortonMaterialOf {
 /// As NortonSums.
 template <class Real>
 struct NortonSumsOf {
-    Real moment[3][3], diagonal[3], off[3], outward[3], density;
+    Real moment[3][3], diagonal[3], off[3], outward[3], of_own[3], density;
 };
 
 /// As NortonState.
@@ -88,7 +88,9 @@ template <class Real, class Raise, class Root>
                 volume * (stress[a][0] * inverse[0][b] + stress[a][1] * inverse[1][b] + stress[a][2] * inverse[2][b]);
     Real outward = sums.outward[0] * sums.outward[0] + C::smoothing * C::smoothing;
     for (int c = 1; c < 3; ++c) outward += sums.outward[c] * sums.outward[c];
-    const Real squared = (outward - C::smoothing * C::smoothing) / (C::inside * C::inside);
+    const Real squared = (sums.of_own[0] * sums.of_own[0] + sums.of_own[1] * sums.of_own[1] +
+                          sums.of_own[2] * sums.of_own[2]) /
+                         (C::inside * C::inside);
     state.inside = 1.0 - squared * squared;
     state.inside = state.inside > 0.0 ? state.inside : 0.0 * state.inside;
     root(outward);

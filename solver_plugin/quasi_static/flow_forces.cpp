@@ -56,7 +56,8 @@ TOMODEM_TWO_PROCESSORS void FlowForces::sum_fabric() {
             const float weight = pair.closeness * pair.closeness;
             const Four squares = with_fourth(pair.apart * pair.apart, weight);
             const Four mixed = pair.apart * turned(pair.apart), away = pair.direction * weight;
-            const float own_share = this->weight(k), other_share = 2 - own_share;
+            // Half of the weights: with none, a flow across an interface is seen as it is, with all, one along it.
+            const float own_share = 0.5F * (1 + this->weight(k)), other_share = 2 - own_share;
             Sums& theirs = sums_[other[k]];
             theirs.moment[0] += with_fourth(other_share * squares, weight);
             theirs.moment[1] += other_share * mixed;
@@ -70,7 +71,10 @@ TOMODEM_TWO_PROCESSORS void FlowForces::sum_fabric() {
         own.moment[1] += off;
         own.outward += outward;
     }
-    // Surfaces of two objects that meet are no free surfaces any more.
+    // Where two objects meet, their particles are still at a surface of their own.
+    for (int i = 0; i < local_count_; ++i)
+        fabrics_[i].outward[3] = sum_of_three(sums_[i].outward * sums_[i].outward);
+    // But it is no free surface any more.
     for (const FlowPairs::Pushing& one : pairs_.pushing()) {
         const Geometry pair(one.apart, over_reach);
         const float weight = pair.closeness * pair.closeness;
@@ -100,7 +104,7 @@ void FlowForces::find_fabric() {
         double squares = C::smoothing * C::smoothing;
         for (int c = 0; c < 3; ++c) squares += static_cast<double>(sums.outward[c]) * sums.outward[c];
         const double length = std::sqrt(squares);
-        const double outside = (squares - C::smoothing * C::smoothing) / (C::inside * C::inside);
+        const double outside = fabrics_[i].outward[3] / (C::inside * C::inside);
         const double inside = std::max(0.0, 1 - outside * outside);
         const double density = sums.moment[0][3] + C::surface * (length - C::smoothing);
         const double pressure = C::pressure * d * d * material.strength * (density / C::rest_density - 1) +
@@ -484,13 +488,18 @@ void FlowForces::correct(const Four* velocity) {
             sums_[end].moment[1] += 0.5F * force * turned(apart);
         }
     }
+    const auto d = static_cast<float>(law_.seed_diameter);
     for (int i = 0; i < local_count_; ++i) {
         const Four diagonal = sums_[i].moment[0], off = sums_[i].moment[1];
         const Fabric& fabric = fabrics_[i];
         const Four deviator = diagonal - four((sum_of_three(diagonal) - diagonal[3]) / 3);
         const Four rows[3] = {{deviator[0], off[0], off[2], 0}, {off[0], deviator[1], off[1], 0}, {off[2], off[1], deviator[2], 0}};
+        const Four shear = deviator - four(sum_of_three(deviator) / 3);
+        const float stress = std::sqrt(1.5F * sum_of_three(shear * shear) + 3 * sum_of_three(off * off));
+        const float most = static_cast<float>(C::most_corrected * C::volume) * d * d * d * fabric.inverse[2][3];
+        const float share = fabric.outward[3] * std::min(1.0F, most / stress);
         for (int b = 0; b < 3; ++b)
-            corrections_[i].column[b] = fabric.outward[3] * (rows[0] * fabric.inverse[b][0] + rows[1] * fabric.inverse[b][1] +
+            corrections_[i].column[b] = share * (rows[0] * fabric.inverse[b][0] + rows[1] * fabric.inverse[b][1] +
                                                              rows[2] * fabric.inverse[b][2]);
     }
     clear_sums();

@@ -44,7 +44,7 @@ NortonSums sums_of(const std::vector<Vector3d>& points, const std::vector<Vector
             for (int b = 0; b < 3; ++b) sums.moment[c][b] += speed[c] * apart[b];
             sums.diagonal[c] += apart[c] * apart[c];
             sums.off[c] += apart[c] * apart[(c + 1) % 3];
-            sums.outward[c] += closeness * closeness * apart[c] / apart.norm();
+            sums.of_own[c] = sums.outward[c] += closeness * closeness * apart[c] / apart.norm();
         }
         sums.diagonal[3] += closeness * closeness;
     }

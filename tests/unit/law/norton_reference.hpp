@@ -68,7 +68,7 @@ class NortonReference {
                     for (int b = 0; b < 3; ++b) virial[a][b] += 0.25 * (force[a] * away[b] + force[b] * away[a]);
                 trace += 0.5 * backed.dot(away);
             });
-            norton_correct(states[i], virial, trace);
+            norton_correct(law, states[i], virial, trace);
         }
     }
 
@@ -114,13 +114,14 @@ class NortonReference {
     void add(std::size_t i, std::size_t j, NortonSums& sums) const {
         const Vector away = apart(i, j), moving = speed(i, j);
         const double closeness = std::pow(1 - away.norm() / (NortonConstants::crown * law.seed_diameter), 2);
-        const double share = weight(i, j);
+        const double share = weight(i, j), in_fabric = (1 + share) / 2;
         for (int c = 0; c < 3; ++c) {
             sums.outward[c] += closeness * away[c] / away.norm();
             if (!same(i, j)) continue;
+            sums.of_own[c] += closeness * away[c] / away.norm();
             for (int b = 0; b < 3; ++b) sums.moment[c][b] += share * moving[c] * away[b];
-            sums.diagonal[c] += share * away[c] * away[c];
-            sums.off[c] += share * away[c] * away[(c + 1) % 3];
+            sums.diagonal[c] += in_fabric * away[c] * away[c];
+            sums.off[c] += in_fabric * away[c] * away[(c + 1) % 3];
         }
         sums.diagonal[3] += closeness;
     }

@@ -163,7 +163,7 @@ TEST(Norton, VelocitiesThatAreFoundBalanceTheForcesOfTheFormulas) {
     simulation.place_planes();
     simulation.set_loading({.rate = {-1e-3}, .time_step = 1e-6});
     // What is taken from the tractions goes by the velocities of the step before: those of the same places here.
-    for (int step = 0; step < 3; ++step) simulation.run(0);
+    for (int step = 0; step < 3; ++step) simulation.run(1);
     std::vector<double> loads;
     law::NortonReference reference = tomodem::reference(packing, model, velocities_of(simulation, packing));
     const std::vector<Vec3> forces = reference.forces(reference.corrected_states(), &loads);
@@ -173,8 +173,8 @@ TEST(Norton, VelocitiesThatAreFoundBalanceTheForcesOfTheFormulas) {
         high = std::max(high, point.z());
     }
     for (std::size_t k = 0; k < packing.size(); ++k) {
-        // The planes have no part in it.
-        const double z = packing.position[k].z(), near = 2 * 1.5 * packing.seed_radius;
+        // The planes have no part in it: their film reaches the neighbours of what is within 0.75 diameters of a face.
+        const double z = packing.position[k].z(), near = 5 * packing.seed_radius;
         if (z < low + near || z > high - near) continue;
         net += forces[k].squaredNorm();
         load += loads[k] * loads[k];
