@@ -3,39 +3,77 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/law/norton_state.hpp"
-
 namespace tomodem::law {
 
 using C = NortonConstants;
 
+double norton_fabric_floor(double diameter, const double* diagonal, const double* off) {
+    const double square = diameter * diameter;
+    const double minors[3] = {diagonal[1] * diagonal[2] - off[1] * off[1], diagonal[0] * diagonal[2] - off[2] * off[2],
+                              diagonal[0] * diagonal[1] - off[0] * off[0]};
+    const double determinant = diagonal[0] * minors[0] + off[0] * (off[1] * off[2] - off[0] * diagonal[2]) +
+                               off[2] * (off[0] * off[1] - diagonal[1] * off[2]);
+    const double all = minors[0] + minors[1] + minors[2];
+    // Neighbours in one line, or none.
+    if (all <= 1e-9 * square * square) return C::fabric_floor * square;
+    return C::fabric_floor * square / (1 + std::pow(3 * determinant / (all * square), 4));
+}
+
 NortonState norton_state(const Norton& law, const NortonMaterial& material, const NortonSums& sums) {
-    NortonSumsOf<double> of{};
-    for (int c = 0; c < 3; ++c) {
-        std::copy_n(sums.moment[c], 3, of.moment[c]);
-        of.diagonal[c] = sums.diagonal[c];
-        of.off[c] = sums.off[c];
-        of.outward[c] = sums.outward[c];
-        of.of_own[c] = sums.of_own[c];
-    }
-    of.density = sums.diagonal[3];
-    NortonStateOf<double> found;
-    norton_state(
-        law, NortonMaterialOf<double>{material.consistency, material.rate_sensitivity, material.strength}, of,
-        [](double& base, double exponent) { base = std::pow(base, exponent); },
-        [](double& square) { square = std::sqrt(square); }, found);
     NortonState state{};
+    const double d = law.seed_diameter;
+    const double floor = norton_fabric_floor(d, sums.diagonal, sums.off);
+    const double xx = sums.diagonal[0] + floor, yy = sums.diagonal[1] + floor, zz = sums.diagonal[2] + floor;
+    const double xy = sums.off[0], yz = sums.off[1], zx = sums.off[2];
+    // A is symmetric and, with the floor, positive.
+    const double cofactor[6] = {yy * zz - yz * yz, xx * zz - zx * zx, xx * yy - xy * xy,
+                                yz * zx - xy * zz, xy * zx - xx * yz, xy * yz - yy * zx};
+    const double over = 1 / (xx * cofactor[0] + xy * cofactor[3] + zx * cofactor[5]);
     for (int c = 0; c < 3; ++c) {
-        for (int b = 0; b < 3; ++b) state.traction[b][c] = found.traction[b][c];
-        state.diagonal[c] = found.diagonal[c];
-        state.off[c] = found.off[c];
-        state.lateral[c] = found.lateral[c];
-        std::copy_n(found.inverse[c], 3, state.inverse[c]);
+        state.inverse[c][c] = cofactor[c] * over;
+        state.inverse[c][(c + 1) % 3] = state.inverse[(c + 1) % 3][c] = cofactor[3 + c] * over;
     }
-    state.background = found.background;
-    state.inside = found.inside;
-    state.traction[0][3] = found.pressure;
-    state.traction[1][3] = found.viscosity;
+    double gradient[3][3] = {};
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+            for (int c = 0; c < 3; ++c) gradient[a][b] += sums.moment[a][c] * state.inverse[c][b];
+    const double growth = gradient[0][0] + gradient[1][1] + gradient[2][2];
+    double squares = 0;
+    for (int c = 0; c < 3; ++c) {
+        const int next = (c + 1) % 3;
+        state.diagonal[c] = gradient[c][c];
+        state.off[c] = gradient[c][next] + gradient[next][c];
+        squares += std::pow(gradient[c][c] - growth / 3, 2) + 0.5 * std::pow(state.off[c], 2);
+    }
+    const double squared_rate =
+        law.at_rest ? law.flow_rate * law.flow_rate : 2.0 / 3 * squares + law.min_rate * law.min_rate;
+    const double viscosity = material.consistency * std::pow(squared_rate, 0.5 * (material.rate_sensitivity - 1));
+
+    const double shear = 2.0 / 3 * viscosity, mean = (C::bulk_viscosity * viscosity - shear / 3) * growth;
+    double stress[3][3];
+    for (int c = 0; c < 3; ++c) {
+        stress[c][c] = shear * state.diagonal[c] + mean;
+        stress[c][(c + 1) % 3] = stress[(c + 1) % 3][c] = 0.5 * shear * state.off[c];
+    }
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+            for (int c = 0; c < 3; ++c)
+                state.traction[b][a] += C::volume * d * d * d * stress[a][c] * state.inverse[c][b];
+
+    double outward = C::smoothing * C::smoothing, of_own = 0;
+    for (int c = 0; c < 3; ++c) {
+        outward += sums.outward[c] * sums.outward[c];
+        of_own += sums.of_own[c] * sums.of_own[c];
+    }
+    outward = std::sqrt(outward);
+    state.inside = std::max(0.0, 1 - std::pow(of_own / (C::inside * C::inside), 2));
+    state.background = C::background * d * d * material.strength * state.inside;
+    const double density = sums.diagonal[3] + C::surface * (outward - C::smoothing);
+    const double pressure =
+        C::pressure * d * d * material.strength * (density / C::rest_density - 1) + state.background;
+    for (int c = 0; c < 3; ++c) state.lateral[c] = C::surface * pressure / outward * sums.outward[c];
+    state.traction[0][3] = pressure;
+    state.traction[1][3] = viscosity;
     state.traction[2][3] = material.strength;
     return state;
 }

@@ -68,6 +68,12 @@ struct NortonState {
     double strength() const { return traction[2][3]; }
 };
 
+/// What is added to A [mm^2]: 0.131 d^2 / (1 + a^4), a = 3 det A / (sum of the principal 2 x 2 minors) [d^2]: nothing where
+/// a particle has its neighbours, and in flat or lone places as much as keeps A's inverse finite.
+/// @param diagonal  of A; xx, yy, zz
+/// @param off       xy, yz, zx
+double norton_fabric_floor(double diameter, const double* diagonal, const double* off);
+
 /// From the sums of a particle: velocity gradient (sum v r) A^-1, its symmetric part D, the equivalent rate
 /// gamma = sqrt(2/3 D':D' + min_rate^2), eta = K gamma^(M-1), sigma = 2/3 eta D' + bulk, and the pressure of the
 /// density with the background.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/law/norton_state.hpp"
 
 namespace tomodem::plugin {
 namespace {
@@ -92,8 +91,7 @@ void FlowForces::find_fabric() {
         const law::NortonMaterial& material = law_.materials[type_[i]];
         const double diagonal[3] = {sums.moment[0][0], sums.moment[0][1], sums.moment[0][2]};
         const double mixed[3] = {sums.moment[1][0], sums.moment[1][1], sums.moment[1][2]};
-        double floor = 0;
-        law::norton_fabric_floor(d, diagonal, mixed, floor);
+        const double floor = law::norton_fabric_floor(d, diagonal, mixed);
         const double xx = sums.moment[0][0] + floor, yy = sums.moment[0][1] + floor, zz = sums.moment[0][2] + floor;
         const double xy = sums.moment[1][0], yz = sums.moment[1][1], zx = sums.moment[1][2];
         const double cofactor[6] = {yy * zz - yz * yz, xx * zz - zx * zx, xx * yy - xy * xy,
