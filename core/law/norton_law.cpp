@@ -108,12 +108,13 @@ void norton_force(const Norton& law, const NortonState& i, const NortonState& j,
     }
 }
 
-void norton_correct(const Norton& law, NortonState& state, const double (&virial)[3][3], double background) {
+void norton_correct(const Norton& law, NortonState& state, const double (&virial)[3][3], double background,
+                    double flow_stress) {
     const double trace = virial[0][0] + virial[1][1] + virial[2][2], mean = (trace - background) / 3;
     double squares = 0;
     for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b) squares += 1.5 * std::pow(virial[a][b] - (a == b ? trace / 3 : 0), 2);
-    const double most = C::most_corrected * C::volume * std::pow(law.seed_diameter, 3) * state.strength();
+    const double most = C::most_corrected * C::volume * std::pow(law.seed_diameter, 3) * flow_stress;
     const double share = state.inside * std::min(1.0, most / std::sqrt(squares));
     for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b)

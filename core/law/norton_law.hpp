@@ -22,7 +22,7 @@ struct NortonConstants {
     static constexpr double pair_share = 0.4;      ///< chi: viscosity of what is not in the mean flow, over eta d
     static constexpr double bulk_viscosity = 2;    ///< over eta
     static constexpr double rate_floor = 0.1;      ///< of the load's lowest rate: below, the viscosity does not grow
-    static constexpr double most_corrected = 2;  ///< of a stress, over strength: more, and a particle runs away
+    static constexpr double most_corrected = 2;  ///< of a stress, over K rate^M: more, and a particle runs away
     static constexpr double film = 30;          ///< between sample and wall, over strength d / flow_rate
     static constexpr double film_range = 0.75;  ///< of centres, from the face [d]
     static constexpr double wall_viscosity =
@@ -95,8 +95,10 @@ inline double norton_weight(double own_viscosity, double other_viscosity) {
 /// Takes from the traction what the elastic forces and the pair term carry of the stress: what the packing's anisotropy
 /// makes of them would otherwise add to the flow stress, more and more with the strain.
 /// @param virial      W = 1/2 sum sym(f r) over the neighbours, f without T [uN.mm]
-/// @param background  trace of the background's share of W
-void norton_correct(const Norton& law, NortonState& state, const double (&virial)[3][3], double background);
+/// @param background   trace of the background's share of W
+/// @param flow_stress  K rate^M at the load's rate [Pa]: a particle cannot carry much more
+void norton_correct(const Norton& law, NortonState& state, const double (&virial)[3][3], double background,
+                    double flow_stress);
 
 /// Force of a wall along its normal, repulsion positive [uN]: seeds are held off, and a viscous film makes the crown
 /// follow the wall's normal motion. The film is so stiff that its force is that of the end of the time step.

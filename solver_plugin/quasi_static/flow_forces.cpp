@@ -494,7 +494,9 @@ void FlowForces::correct(const Four* velocity) {
         const Four rows[3] = {{deviator[0], off[0], off[2], 0}, {off[0], deviator[1], off[1], 0}, {off[2], off[1], deviator[2], 0}};
         const Four shear = deviator - four(sum_of_three(deviator) / 3);
         const float stress = std::sqrt(1.5F * sum_of_three(shear * shear) + 3 * sum_of_three(off * off));
-        const float most = static_cast<float>(C::most_corrected * C::volume) * d * d * d * fabric.inverse[2][3];
+        const law::NortonMaterial& material = law_.materials[type_[i]];
+        const double flow_stress = material.consistency * std::pow(rate_, material.rate_sensitivity);
+        const float most = static_cast<float>(C::most_corrected * C::volume * flow_stress) * d * d * d;
         const float share = fabric.outward[3] * std::min(1.0F, most / stress);
         for (int b = 0; b < 3; ++b)
             corrections_[i].column[b] = share * (rows[0] * fabric.inverse[b][0] + rows[1] * fabric.inverse[b][1] +

@@ -23,7 +23,10 @@ class FlowForces {
     /// Brings each ghost `size` bytes from its owner; particle i has them at first + i * stride bytes. Collective.
     using Carry = std::function<void(void* first, std::size_t stride, std::size_t size)>;
 
-    void set_law(const law::Norton& law) { law_ = law; }
+    void set_law(const law::Norton& law) {
+        law_ = law;
+        rate_ = law.flow_rate;
+    }
     const law::Norton& law() const { return law_; }
     void set_carry(Carry carry) { carry_ = std::move(carry); }
 
@@ -157,7 +160,7 @@ class FlowForces {
     std::vector<float> weights_;  ///< of each pair; empty where there is one material
     std::vector<Film> films_;
     std::vector<std::int32_t> film_of_;  ///< of each particle, or -1: the last one
-    double rate_ = 0;                    ///< of the load [1/s]
+    double rate_ = 0;                    ///< of the load now [1/s]
     /// Of each particle: columns of what is taken from its traction.
     struct Correction {
         Four column[3];

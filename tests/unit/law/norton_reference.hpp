@@ -68,7 +68,9 @@ class NortonReference {
                     for (int b = 0; b < 3; ++b) virial[a][b] += 0.25 * (force[a] * away[b] + force[b] * away[a]);
                 trace += 0.5 * backed.dot(away);
             });
-            norton_correct(law, states[i], virial, trace);
+            const NortonMaterial& material = law.materials[static_cast<std::size_t>(materials[i])];
+            norton_correct(law, states[i], virial, trace,
+                           material.consistency * std::pow(law.flow_rate, material.rate_sensitivity));
         }
     }
 
