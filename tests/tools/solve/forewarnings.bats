@@ -147,6 +147,7 @@ self_contact = true
 [load]
 steps = [ { strain = -0.02, rate = 1e-2 } ]
 [accuracy]
+scheme = "explicit"
 inertia_share = 0.2
 END
     says_the_same relaxed.h5 norton.toml "self_contact does not work under law \"norton\"" "inertia_share = 0.2"
