@@ -138,8 +138,6 @@ class Search {
             tried.density = trade.density;
             tried.scene = with_choice(request_.scene_text, tried.choice, request_.scene_name);
             const Scene scene = parse_scene(tried.scene, request_.scene_name);
-            if (law == "norton" && scene.self_contact)
-                throw InvalidInput("self_contact does not work under it (docs/norton.md)");
             const auto [coarsest, finest] = radii(trade);
             for (double radius = coarsest;; radius /= radius_ratio) {
                 tried.seed_radius = std::max(radius, finest);

@@ -102,7 +102,7 @@ assert np.abs(two - one).max() < 0.01 * np.abs(one).max(), np.abs(two / one - 1)
     [[ "$output" == *"viscous_flow_and_pressure_of_the_density: on"* ]]
     [[ "$output" == *'velocities_that_are_found: on: scheme = "quasi_static"'* ]]
     [[ "$output" == *"time_step_reason: a strain of 0.008 in a step at the highest rate"* ]]
-    for what in steps evaluations predicted_wall_seconds predicted_peak_bytes; do [[ "$output" == *$'\n'"$what: "[1-9]* ]]; done
+    for what in steps evaluations predicted_wall_seconds predicted_peak_bytes; do [[ "$output" == *$'\n'"$what: "[0-9]* ]]; done
     norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }" "" 'scheme = "explicit"'
     run -0 solve --explain brick.h5 scene.toml run.h5
     [[ "$output" == *'velocities_that_are_found: off: scheme = "explicit"'* ]]

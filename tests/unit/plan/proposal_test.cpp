@@ -136,7 +136,7 @@ TEST(Plan, LeavesOutNortonWhereSurfacesMeet) {
                               std::string(drawn::two_phases) + "[contact]\nself_contact = true\n", request);
     ASSERT_EQ(plan.not_taken.size(), 1);
     EXPECT_EQ(plan.not_taken[0].first, "norton");
-    EXPECT_THAT(plan.not_taken[0].second, HasSubstr("self_contact does not work under it"));
+    EXPECT_THAT(plan.not_taken[0].second, HasSubstr("take law = \"trilin\""));
 }
 
 TEST(Plan, CountsADecadeOfRates) {

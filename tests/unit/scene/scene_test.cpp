@@ -168,7 +168,7 @@ TEST(Scene, OfQuasiStaticStepsRefusesWhatBelongsToExplicitOnes) {
         EXPECT_NO_THROW(parse_scene(viscous("scheme = \"explicit\"", "norton", initiation), "s"));
         expect_refused(viscous(scheme + "strain_per_step = 0.06"), line, "takes at most 0.05");
         expect_refused(viscous(scheme + "max_imbalance = 0.2"), line, "at most 0.1");
-        expect_refused(viscous(scheme, "norton", "", "[contact]\nself_contact = true\n"), scheme.empty() ? "2" : "10",
+        expect_refused(viscous(scheme, "norton", "", "[contact]\nself_contact = true\n"), scheme.empty() ? "1" : "10",
                        "needs the memory of pairs that explicit steps keep");
     }
     const std::string by_force = "scheme = \"quasi_static\"";
