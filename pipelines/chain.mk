@@ -10,7 +10,8 @@
 include $(dir $(lastword $(MAKEFILE_LIST)))common.mk
 
 NP ?= 1
-DENSITY ?= 0.70
+# D of the brick; by default that of the scene's law.
+DENSITY ?=
 PARTICLES ?= 40000
 BRICK_PARTICLES ?= 10000
 FILTER ?= level-set
@@ -67,13 +68,12 @@ image_options := $(strip $(if $(VOXEL_SIZE),--voxel-size $(VOXEL_SIZE)) \
 # ---- parameters are files too ----------------------------------------------------------------------------------------
 image.parameters := $(strip $(IMAGE) $(image_options))
 plan.parameters := $(strip $(image_options) $(if $(SCENE),--scene $(SCENE)) $(if $(LABELS),--labels $(call quoted,$(LABELS))) \
-    --density $(DENSITY) $(if $(OBJECTS),--objects $(OBJECTS)) \
+    $(if $(DENSITY),--density $(DENSITY)) $(if $(OBJECTS),--objects $(OBJECTS)) \
     $(if $(PIXELS_PER_SEED),--pixels-per-seed $(PIXELS_PER_SEED),--particles $(PARTICLES)))
 separated := $(filter watershed,$(OBJECTS))
 sample.parameters := $(strip $(if $(separated),,$(image_options)) --filter $(FILTER))
 shape.parameters := $(strip $(SHAPE_OPTIONS))
 pictures.parameters := $(strip --size $(PICTURE_SIZE))
-brick.parameters := $(strip --particles $(BRICK_PARTICLES) --density $(DENSITY))
 $(call files_of_text,image.parameters plan.parameters sample.parameters shape.parameters pictures.parameters)
 
 programs := volume_info plan packgen vol2pack relax solve stress_strain shape_factor volume_change equilibrium mesh_recon render \
@@ -87,7 +87,8 @@ digest_names := $(foreach word,$(digests),$(firstword $(subst =, ,$(word))))
 $(foreach word,$(digests),$(eval digests/$(subst =, := ,$(word))))
 $(call files_of_text,$(addprefix digests/,$(digest_names)))
 
-# The brick's are beside it, as several stacks may share it.
+# The brick's are beside it, as several stacks may share it. Without a scene `plan` proposes one of law NORTON.
+brick.parameters := --particles $(BRICK_PARTICLES) $(if $(DENSITY),--density $(DENSITY),--law $(or $(digests/law),norton))
 brick_state := $(strip $(brick.parameters) $(digests/packgen))
 $(eval $(call text_file,$(BRICK).state,brick_state))
 

@@ -5,7 +5,8 @@ usage: inputs.py [--cache FILE] [--scene SCENE] [--image VOLUME --bin BIN] NAME=
 
 The digest `image` is that of all files that VOLUME is made of, as BIN/volume_info lists them.
 Of SCENE there are three digests, none of which sees comments or layout, all of which see the files that it names:
-`scene`, all of it; `scene_phases`, which label is called what; `scene_relax`, what relaxing a sample can depend on.
+`scene`, all of it; `scene_phases`, which label is called what; `scene_relax`, what relaxing a sample can depend on. `law` is
+the name of its law itself.
 
 The cache remembers the digest of a file as long as its size and dates (also that of its last change of any kind, which
 no program can set) stay; it is written if its folder exists.
@@ -85,6 +86,15 @@ def what_relaxing_depends_on(scene):
     return {**scene, "accuracy": accuracy, "load": load}
 
 
+def law_of(text):
+    """Of the first phase; none where the scene is not as it should be."""
+    try:
+        law = next(iter(tomllib.loads(text)["phase"].values()))["law"]
+        return law if law.isidentifier() else None
+    except (tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError, StopIteration):
+        return None
+
+
 def scene_digests(path, digests):
     text = path.read_text()
     try:
@@ -97,7 +107,9 @@ def scene_digests(path, digests):
         }
     except (tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError):
         parts = dict.fromkeys(("scene", "scene_phases", "scene_relax"), text)  # the tools say what is wrong with it
-    return {name: text_digest(part) for name, part in parts.items()}
+    found = {name: text_digest(part) for name, part in parts.items()}
+    law = law_of(text)
+    return found | ({"law": law} if law else {})
 
 
 def main():

@@ -107,7 +107,7 @@ def row(*cells):
 
 
 def load(strain, rate, accuracy=""):
-    return f"[load]\nsteps = [ {{ strain = {strain}, rate = {rate:g} }} ]\n[accuracy]\nframes = 6\n{accuracy}"
+    return f"[load]\nsteps = [ {{ strain = {strain}, rate = {rate:g} }} ]\n[accuracy]\nscheme = \"explicit\"\nframes = 6\n{accuracy}"
 
 
 def draw(curves):
@@ -177,7 +177,7 @@ def jump():
         answers = []
         for packing in packings:
             text = phase("a", 1, (K, exponent))
-            accuracy = "[accuracy]\nframes = 1\ninertia_share = 0.003\nreference_rate = 3e-3\n"
+            accuracy = "[accuracy]\nscheme = \"explicit\"\nframes = 1\ninertia_share = 0.003\nreference_rate = 3e-3\n"
             steps = ["{ strain = -0.2, rate = 1e-3 }, { strain = -0.37, rate = 3e-3 }",
                      "{ strain = -0.37, rate = 1e-3 }, { strain = -0.371, rate = 3e-3 }"]
             with_jump, without = (run(f"jump-{size}-{packing}-{exponent:g}-{k}", brick(packing),

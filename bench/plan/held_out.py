@@ -27,14 +27,14 @@ steps = [ {{ strain = {strain}, rate = 1e-3 }} ]
 frames = {frames}
 """
 B = "[phase.b]\nlabel = 2\nlaw = \"norton\"\nnorton = { K = 5020, M = 0.49 }\nobjects = true\n"
-# phantom, scene, wanted error [%], how much finer the reference is, its inertia_share
+# phantom, scene, wanted error [%], how much finer the reference is, its strain_per_step
 CASES = {
     "inclusions": ("phantom_inclusions {image} --size 60 --voxel-size 10um --fraction 0.12 --count 2 --random-seed 3",
-                   SCENE.format(a=(100, 0.1), more=B, strain=-0.33, frames=33), 10, 2, 0.02),
+                   SCENE.format(a=(100, 0.1), more=B, strain=-0.33, frames=33), 10, 2, 4e-3),
     "foam": ("phantom_foam {image} --size 90 --voxel-size 10um --relative-density 0.25 --cells 1 --irregularity 0.5 --random-seed 5",
-             SCENE.format(a=(49.1, 0.0714), more="", strain=-0.31, frames=31), 20, 1.3, 0.005),
+             SCENE.format(a=(49.1, 0.0714), more="", strain=-0.31, frames=31), 20, 1.3, 4e-3),
     "pores": ("phantom_pores {image} --size 70 --voxel-size 10um --porosity 0.05 --median-diameter 240um --spread 0.1 --clusters 0 "
-              "--random-seed 4", SCENE.format(a=(49.1, 0.0714), more="", strain=-0.21, frames=21), 10, 1.5, 0.02),
+              "--random-seed 4", SCENE.format(a=(49.1, 0.0714), more="", strain=-0.21, frames=21), 10, 1.5, 4e-3),
 }
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -124,13 +124,13 @@ for name in options.cases:
     plan = json.loads((folder / "plan.json").read_text())
     clean = lambda command: command.replace(str(folder) + "/", "")
     commands = [clean(plan[f"command_{key}"]) for key in ("packgen", "vol2pack", "carve", "relax", "solve") if f"command_{key}" in plan]
-    setting = f"{plan['law']}-{plan['pixels_per_seed']:.3f}-{plan.get('strain_per_step', plan.get('inertia_share')):.3g}"
+    setting = f"{plan['law']}-{plan['pixels_per_seed']:.3f}-{plan['strain_per_step']:.3g}"
     runs = [made(folder / f"{setting}-{packing}", name, commands, packing) for packing in range(11, 11 + options.packings)]
 
     # The reference: finer, norton.
     pixels = plan["pixels_per_seed"] / finer
     particles = plan["particles"] * finer**3
-    (folder / "fine.toml").write_text(f"{text}inertia_share = {step}\n")
+    (folder / "fine.toml").write_text(f"{text}strain_per_step = {step}\n")
     fine = []
     for command in commands:
         words = shlex.split(clean(command).replace("proposed.toml", "fine.toml"))

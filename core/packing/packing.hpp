@@ -33,6 +33,7 @@ struct Packing {
     std::vector<std::int64_t> id;       ///< unique, from 1
     std::vector<std::int32_t> object;   ///< 0: belongs to no object of its own
     bool relaxed = false;               ///< the free sample is at rest under its law
+    double brick_density = 0.0;         ///< D of the packing that the sample was cut from; 0: not known
     std::vector<double> radius{};       ///< [mm]
     /// Other quantities of each particle by their name, such as a temperature from another volume; the solver ignores
     /// them.

@@ -159,6 +159,7 @@ RunReader::RunReader(const fs::path& path) {
     if (!seed_radius) reader.fail("/particles/all has no attribute seed_radius");
     packing.seed_radius = *seed_radius;
     packing.relaxed = reader.number_attribute<std::int32_t>("/particles/all", "relaxed").value_or(0) != 0;
+    packing.brick_density = reader.number_attribute<double>("/particles/all", "brick_density").value_or(0);
 
     const Hdf5Shape shape = reader.shape(reader.dataset(positions_path), positions_path);
     if (shape.size() != 3 || shape[2] != 3)

@@ -126,6 +126,7 @@ void create_run_file(const Packing& packing, const RunShape& shape, const Proven
     writer.attribute(all, "seed_radius", packing.seed_radius);
     writer.attribute(all, "seed_radius_unit", std::string("mm"));
     writer.attribute(all, "relaxed", std::int32_t{packing.relaxed});
+    if (packing.brick_density > 0) writer.attribute(all, "brick_density", packing.brick_density);
 
     Hdf5Handle box = writer.group(all, "box");
     writer.attribute(box, "dimension", std::int32_t{3});

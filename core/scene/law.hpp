@@ -49,8 +49,11 @@ struct LawTraits {
     double neighbour_skin = 0.6;  ///< of LIGGGHTS' ghosts, over the seed radius: larger where particles are hot
     double list_skin = 0.05;      ///< of the vector loops' own lists, over the crown distance
 
-    std::string accuracy_key = "strain_per_step";  ///< of [accuracy]: what chooses the time step
-    std::string less_heat = "strain_per_step";     ///< advice: "take a smaller time_step or ..."
+    /// D of the packing that a sample is cut from: that at which the law is calibrated.
+    double packing_density = 0.70;
+    bool keeps_density = false;  ///< brings every packing to it, and so changes the size of a sample of another one
+
+    std::string less_heat = "strain_per_step";  ///< advice: "take a smaller time_step or ..."
     std::string less_inertia = "a lower rate, a smaller strain_per_step";  ///< advice: "take ... or more particles"
 };
 

@@ -263,29 +263,38 @@ std::vector<Wall> read_walls(const toml::node& node, TomlReader& reader, const s
 /// Longer steps than that lose their way in the geometry, and more imbalance than that is no solution.
 constexpr double max_step_strain = 0.05, greatest_imbalance = 0.1;
 
-void read_scheme(TomlReader& reader, Scene& scene) {
+/// What a scene leaves to its law stands in this table of a stored one: other versions may decide otherwise.
+constexpr const char* resolved_table = "resolved";
+
+std::optional<Scheme> read_scheme_word(TomlReader& reader, const LawTraits& law) {
     const auto word = reader.optional_text("scheme");
-    if (!word || *word == "explicit") {
-        reader.refuse(
-            "max_imbalance",
-            "max_imbalance goes with scheme = \"quasi_static\": remove it, or set the scheme (law \"norton\")");
-        return;
-    }
+    if (!word) return {};
+    if (*word == "explicit") return Scheme::explicit_steps;
     const toml::node& node = *reader.find("scheme");
     if (*word != "quasi_static")
         reader.fail(node, fmt::format("scheme is \"{}\": expected \"explicit\" or \"quasi_static\"", *word));
-    const LawTraits& law = scene.law().traits();
     if (!law.quasi_static)
         reader.fail(node, fmt::format("scheme = \"quasi_static\" needs a viscous law: law \"{}\" is solved in explicit "
                                       "steps only; remove scheme, or take law = \"norton\"",
                                       law.name));
-    scene.scheme = Scheme::quasi_static;
-    if (scene.time_step)
-        reader.fail(*reader.find("time_step"),
-                    "scheme = \"quasi_static\" takes steps of strain: give strain_per_step instead of time_step");
+    return Scheme::quasi_static;
+}
+
+/// @param usual  of a law that can be solved without inertia, where the scene says nothing
+void read_scheme(TomlReader& reader, Scheme usual, Scene& scene) {
+    const LawTraits& law = scene.law().traits();
+    scene.scheme = read_scheme_word(reader, law).value_or(law.quasi_static ? usual : Scheme::explicit_steps);
+    if (scene.scheme == Scheme::explicit_steps) {
+        reader.refuse(
+            "max_imbalance",
+            "max_imbalance goes with quasi-static steps: remove it, or take law = \"norton\" without scheme = "
+            "\"explicit\"");
+        return;
+    }
+    if (scene.time_step) reader.fail(*reader.find("time_step"), of_explicit_steps("time_step"));
     if (scene.strain_per_step && *scene.strain_per_step > max_step_strain)
         reader.fail(*reader.find("strain_per_step"),
-                    fmt::format("strain_per_step is {:g}: a step of scheme = \"quasi_static\" takes at most {:g}",
+                    fmt::format("strain_per_step is {:g}: a quasi-static step takes at most {:g}",
                                 *scene.strain_per_step, max_step_strain));
     if (const auto wanted = reader.optional_positive("max_imbalance")) {
         if (*wanted > greatest_imbalance)
@@ -295,13 +304,10 @@ void read_scheme(TomlReader& reader, Scene& scene) {
                                     *wanted, greatest_imbalance));
         scene.max_imbalance = *wanted;
     }
-    if (scene.initiation)
-        reader.fail(
-            scene.load_line,
-            "initiation in [load] smooths a transient, which scheme = \"quasi_static\" does not have: remove it");
+    if (scene.initiation) reader.fail(scene.load_line, of_explicit_steps("initiation"));
 }
 
-void read_accuracy(TomlReader reader, Scene& scene) {
+void read_accuracy(TomlReader reader, Scheme usual, Scene& scene) {
     if (const toml::node* node = reader.find("time_step")) {
         const bool automatic = node->is_string() && *node->value<std::string>() == "auto";
         if (!automatic) scene.time_step = reader.optional_positive("time_step", units::time);
@@ -312,15 +318,13 @@ void read_accuracy(TomlReader reader, Scene& scene) {
                         "strain_per_step chooses the time step: remove one of the two");
         scene.strain_per_step = *value;
     }
-    read_scheme(reader, scene);
+    read_scheme(reader, usual, scene);
     scene.law().read_accuracy(reader, scene);
     if (const auto file = reader.optional_text("calibration"))
         scene.calibration_file = scene.path.parent_path() / *file;
     if (const auto window = reader.optional_positive("averaging_strain")) {
         if (scene.scheme == Scheme::quasi_static)
-            reader.fail(*reader.find("averaging_strain"),
-                        "scheme = \"quasi_static\" averages nothing, its curves have a point at every step: remove "
-                        "averaging_strain");
+            reader.fail(*reader.find("averaging_strain"), of_explicit_steps("averaging_strain"));
         scene.averaging_strain = *window;
     }
     scene.frames = reader.optional_integer("frames", 1).value_or(scene.frames);
@@ -397,6 +401,14 @@ double Hardening::factor(double time) const {
     return std::lerp(left[1], right[1], (time - left[0]) / (right[0] - left[0]));
 }
 
+std::string of_explicit_steps(const std::string& key) {
+    return fmt::format(
+        "{} belongs to explicit steps, and law \"norton\" takes quasi-static ones unless it is told otherwise: add "
+        "scheme = "
+        "\"explicit\" to [accuracy], or remove {}",
+        key, key);
+}
+
 std::optional<double> number_of(const LawNumbers& numbers, std::string_view key) {
     const auto found = numbers.find(key);
     return found == numbers.end() ? std::nullopt : std::optional(found->second);
@@ -454,7 +466,8 @@ void rename_old_keys(toml::table& root) {
     rename("accuracy", "equilibrium_error", viscous ? "inertia_share" : "max_equilibrium_error");
 }
 
-Scene scene_of(const toml::table& root, const std::string& text, const std::string& name) {
+/// @param usual  scheme of a law that can be solved without inertia, where the scene says nothing
+Scene scene_of(const toml::table& root, const std::string& text, const std::string& name, Scheme usual) {
     Scene scene;
     scene.path = name;
     scene.text = text;
@@ -497,7 +510,18 @@ Scene scene_of(const toml::table& root, const std::string& text, const std::stri
     if (const toml::node* walls = reader.find("wall")) scene.walls = read_walls(*walls, reader, name);
     reader.get("load");
     read_load(*reader.table("load", "[load]"), name, scene);
-    if (auto accuracy = reader.table("accuracy", "[accuracy]")) read_accuracy(*accuracy, scene);
+    const bool resolved = reader.find(resolved_table) != nullptr;
+    if (auto table = reader.table(resolved_table, "[resolved]")) {
+        usual = read_scheme_word(*table, law).value_or(usual);
+        table->refuse_unknown();
+    }
+    const toml::table empty;
+    auto accuracy = reader.table("accuracy", "[accuracy]");
+    const bool says_scheme = accuracy && accuracy->find("scheme") != nullptr;
+    read_accuracy(accuracy.value_or(TomlReader(empty, "[accuracy]", reader.file())), usual, scene);
+    if (!says_scheme && !resolved && scene.scheme == Scheme::quasi_static)
+        scene.text += fmt::format("\n# ---- what the scene leaves to its law ----\n[{}]\nscheme = \"quasi_static\"\n",
+                                  resolved_table);
     read_calibration(reader.find("calibration") != nullptr, scene);
     if (auto output = reader.table("output", "[output]")) read_output(*output, scene);
     reader.refuse_unknown();
@@ -521,7 +545,7 @@ void refuse_self_contact(const toml::table& root, const Scene& scene, const std:
 
 Scene parse_scene(const std::string& text, const std::string& name) {
     const toml::table root = parse_toml(text, scene_called(name));
-    Scene scene = scene_of(root, text, name);
+    Scene scene = scene_of(root, text, name, Scheme::quasi_static);
     refuse_self_contact(root, scene, name);
     if (!scene.unusual_values) refuse_unusual_values(scene);
     return scene;
@@ -530,7 +554,7 @@ Scene parse_scene(const std::string& text, const std::string& name) {
 Scene parse_stored_scene(const std::string& text, const std::string& name) {
     toml::table root = parse_toml(text, scene_called(name));
     rename_old_keys(root);
-    return scene_of(root, text, name);
+    return scene_of(root, text, name, Scheme::explicit_steps);
 }
 
 Scene read_scene(const std::filesystem::path& path) {

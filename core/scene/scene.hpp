@@ -80,6 +80,9 @@ enum class Scheme {
     quasi_static     ///< each step of strain is solved for the velocities at which the forces balance; there is no mass
 };
 
+/// Why a key is refused in a scene whose steps are quasi-static.
+std::string of_explicit_steps(const std::string& key);
+
 /// A rigid triangulated surface with a prescribed translation; a sensor of the force on it.
 struct Wall {
     std::string name;
@@ -115,9 +118,9 @@ struct Scene {
     std::int64_t load_line = 0;
     std::vector<Wall> walls;
 
-    std::optional<double> time_step;        ///< s; chosen from strain_per_step when not given
-    std::optional<double> strain_per_step;  ///< as given: step_strain() is what counts
-    Scheme scheme = Scheme::explicit_steps;
+    std::optional<double> time_step;         ///< s; chosen from strain_per_step when not given
+    std::optional<double> strain_per_step;   ///< as given: step_strain() is what counts
+    Scheme scheme = Scheme::explicit_steps;  ///< quasi-static under law NORTON, unless the scene says otherwise
     double max_imbalance = 1e-2;             ///< quasi-static: Model::imbalance
     LawNumbers law_accuracy;                 ///< of [accuracy]
     std::optional<Calibration> calibration;  ///< of the scene's own: [accuracy] calibration, or a table [calibration]
@@ -148,10 +151,12 @@ Scene read_scene(const std::filesystem::path& path);
 /// As read_scene, for a text in memory; `name` stands for the file in errors.
 ///
 /// A calibration file is read, and its text added to the scene's: what is stored repeats the run without that file.
+/// So is the scheme that the law chose.
 Scene parse_scene(const std::string& text, const std::string& name);
 
 /// As parse_scene, for the text that a run file holds: it has been accepted once, so keys of earlier versions are
-/// known by their old names, and neither unusual values nor self-contact under NORTON are refused.
+/// known by their old names, and neither unusual values nor self-contact under NORTON are refused. Where it says no
+/// scheme, its run was made in explicit steps, the default then.
 Scene parse_stored_scene(const std::string& text, const std::string& name);
 
 }  // namespace tomodem

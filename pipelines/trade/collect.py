@@ -3,7 +3,8 @@
 
 usage: collect.py FOLDER TABLE.csv RUN...
 
-A run that did not survive has the quantity "none". CPU seconds of `prepare` are those of filling and relaxing or carving.
+A run that did not survive has the quantity "none". Its steps are computations of all pair forces: of quasi-static runs their
+evaluations. CPU seconds of `prepare` are those of filling and relaxing or carving.
 """
 import csv
 import json
@@ -55,7 +56,7 @@ def main(folder, table, *names):
             sample = folder / "_".join((scene, law, size, kind, packing))
             summaries = [run] + [json.loads(path.read_text()) for path in
                                  (pathlib.Path(f"{sample}.sample.json"), pathlib.Path(f"{sample}.relaxed.json")) if path.exists()]
-            row |= {"particles": run["particles"], "steps": run["steps"], "time_step": run["time_step"],
+            row |= {"particles": run["particles"], "steps": run.get("evaluations", run["steps"]), "time_step": run["time_step"],
                     "cpu_solve": run["cpu_seconds"], "cpu_prepare": sum(one["cpu_seconds"] for one in summaries[1:]),
                     "peak_bytes": max(one["peak_bytes"] for one in summaries)}
             for quantity, value in measured(scene, stem):

@@ -3,7 +3,7 @@
 
 usage: scene.py SCENE_LAW[_RESOLUTION_STEP_RATE_FILTER_PACKING]
 
-Without the rest of the name: to bring a sample to rest. STEP is strain_per_step, of norton inertia_share. RATE is the
+Without the rest of the name: to bring a sample to rest. STEP is strain_per_step. RATE is the
 one of the load over 1e-3 /s, for which the constants are chosen: by reference_rate (norton), or because the sample is
 pressed at that to a strain of 0.02 first.
 """
@@ -35,7 +35,7 @@ def main(name):
     lines += ["[load]", "steps = [ " + ", ".join(f"{{ strain = {strain}, rate = {rate:g} }}" for strain, rate in steps) + " ]",
               "[accuracy]", f"frames = {round(abs(STRAIN[scene]) * 100)}", *accuracy]
     if step:
-        lines.append(f"{'inertia_share' if law == 'norton' else 'strain_per_step'} = {step}")
+        lines.append(f"strain_per_step = {step}")
     return "\n".join(lines) + "\n"
 
 

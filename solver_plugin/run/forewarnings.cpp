@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/scene/expected_flow.hpp"
 #include "core/scene/load_path.hpp"
 #include "solver_plugin/run/continuation.hpp"
@@ -24,6 +27,21 @@ void warn_of_hardening(const Scene& scene, double end, Reporter& reporter) {
 
 }  // namespace
 
+void warn_of_density(const Scene& scene, const Packing& sample, Reporter& reporter) {
+    constexpr double tolerance = 0.01;
+    const LawTraits& law = scene.law().traits();
+    const std::array<bool, 3>& periodic = sample.box.periodic;
+    const bool brick = std::all_of(periodic.begin(), periodic.end(), [](bool one) { return one; });
+    const double density = sample.brick_density > 0 ? sample.brick_density : brick ? sample.density() : 0;
+    if (!law.keeps_density || sample.relaxed || density == 0 || std::abs(density - law.packing_density) <= tolerance)
+        return;
+    const double change = density / law.packing_density - 1;
+    reporter.warn(fmt::format(
+        "the sample's packing has a density of {:.3g}, and law \"{}\" is at rest at {:g}: the sample will "
+        "{} by about {:.0f} % in volume; make the brick with packgen --law {}",
+        density, law.name, law.packing_density, change > 0 ? "grow" : "shrink", 100 * std::abs(change), law.name));
+}
+
 void forewarn(const Scene& scene, const Packing& sample, const Model& model, const Continuation* before,
               Reporter& reporter) {
     check_plane_speed(scene, model, sample, reporter);
@@ -34,6 +52,7 @@ void forewarn(const Scene& scene, const Packing& sample, const Model& model, con
         if (!one.outside.empty())
             reporter.note(
                 fmt::format("[phase.{}] is outside its calibration: {}", one.phase, fmt::join(one.outside, "; ")));
+    if (before == nullptr) warn_of_density(scene, sample, reporter);
     if (!sample.relaxed) reporter.note("the sample is not relaxed yet: it is relaxed before the load");
     model.law->warn(scene, model, reporter);
     double end = before != nullptr ? before->time() : 0;

@@ -16,4 +16,8 @@ struct Continuation;
 void forewarn(const Scene& scene, const Packing& sample, const Model& model, const Continuation* before,
               Reporter& reporter);
 
+/// Warns where a sample was cut from a packing of another density than that to which its law brings every packing:
+/// it will change its size as it comes to rest.
+void warn_of_density(const Scene& scene, const Packing& sample, Reporter& reporter);
+
 }  // namespace tomodem

@@ -116,10 +116,10 @@ class Pressing {
             const double before = next_ > 0 ? plan_[next_ - 1].travelled : 0;
             const auto progress = reporter_.progress("pressing", plan_.back().travelled - before);
             const auto begun = std::chrono::steady_clock::now();
-            const std::int64_t first_step = step();
+            const std::int64_t first_step = step(), first_evaluation = evaluations_;
             while (next_ < plan_.size()) {
                 reach(plan_[next_]);
-                if (predicted_wall_ == 0) predict(begun, first_step);
+                if (predicted_wall_ == 0) predict(begun, first_step, first_evaluation);
                 progress->update(plan_[next_ - 1].travelled - before);
             }
         } catch (const Stopped& stop) {
@@ -464,13 +464,20 @@ class Pressing {
     }
 
     /// Total wall time, once there are some seconds of pressing to judge from.
-    void predict(std::chrono::steady_clock::time_point begun, std::int64_t first_step) {
+    /// Quasi-static steps are counted by their evaluations: the first take many more than the others.
+    void predict(std::chrono::steady_clock::time_point begun, std::int64_t first_step, std::int64_t first_evaluation) {
         double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
         MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, communicator_);  // or some processes would predict, and others not yet
         if (seconds < seconds_to_predict_from) return;
         const std::int64_t all = segment_start(segments_.size()) - start_;
-        const double per_step = seconds / static_cast<double>(step() - first_step);
-        predicted_wall_ = meter_.cost(0, 0).wall_seconds + per_step * static_cast<double>(all - step());
+        const auto evaluations = [&](std::int64_t steps) {
+            return model_.law->evaluations(model_, static_cast<double>(simulation_->initial_particles()),
+                                           static_cast<double>(steps));
+        };
+        const std::int64_t done =
+            model_.scheme == Scheme::quasi_static ? evaluations_ - first_evaluation : step() - first_step;
+        predicted_wall_ = meter_.cost(0, 0).wall_seconds +
+                          seconds / static_cast<double>(done) * (evaluations(all) - evaluations(step()));
     }
 
     RunResult finish() {

@@ -148,6 +148,12 @@ constexpr std::int32_t end_format = 2;
 void require_same(const Hdf5Reader& reader, const std::string& what, const std::string& mine, const fs::path& path) {
     const std::string found = reader.one_text("/inputs/" + what);
     if (found == mine) return;
+    // Its scene said no scheme, and the present one says what its law chose now.
+    if (what == "scene" && mine.starts_with(found) && mine.find("[resolved]", found.size()) != std::string::npos)
+        throw InvalidInput(
+            fmt::format("cannot resume from '{}': it was made in explicit steps, then the default of its law, which is "
+                        "quasi-static now; start again without --resume",
+                        path.string()));
     const std::string change = what == "version"
                                    ? fmt::format("another version of tomodem ({}, this is {})", found, mine)
                                : what == "scene" ? std::string("another scene")

@@ -1,4 +1,6 @@
 // packgen: a random dense packing of spheres, the brick that vol2pack cuts a sample from.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
@@ -6,6 +8,7 @@
 #include "core/base/error.hpp"
 #include "core/cli/cli.hpp"
 #include "core/packing/packing_file.hpp"
+#include "core/scene/law.hpp"
 #include "tools/packgen/brick_cache.hpp"
 #include "tools/packgen/brick_structure.hpp"
 #include "tools/packgen/compaction.hpp"
@@ -17,6 +20,7 @@ struct Request {
     std::filesystem::path packing;
     std::int64_t particles = 0;
     double density = 0.0;
+    std::string law;
     double seed_radius = 0.5;  // mm
     double dispersion = 0.0;   // percent
     std::string aspect = "1:1:1", periodic = "xyz";
@@ -24,13 +28,29 @@ struct Request {
     bool no_cache = false;
 };
 
+std::vector<std::string> names_of_laws() {
+    std::vector<std::string> names;
+    for (const Law* law : laws()) names.push_back(law->name());
+    return names;
+}
+
+std::string density_help() {
+    std::string densities;
+    for (const Law* law : laws())
+        densities +=
+            fmt::format("{}{:.2f} {}", densities.empty() ? "" : ", ", law->traits().packing_density, law->name());
+    return fmt::format("Instead of --density, that at which this law is calibrated: {}.", densities);
+}
+
 cli::Usage usage(Request& request) {
     return cli::Usage("packgen", "Make a random dense packing of spheres: the brick that vol2pack cuts a sample from.")
         .output("BRICK", request.packing, "Packing to write.", {".h5"})
         .required("--particles", request.particles, cli::Unit::particles, {1, 1e9}, "Number of spheres.")
-        .required("--density", request.density, cli::Unit::none, {lowest_density, highest_density},
-                  "Volume of the spheres, overlaps counted twice, over that of the box. Random close packing of equal "
-                  "spheres is 0.64; at a higher density they overlap more.")
+        .option("--density", request.density, cli::Unit::none, {lowest_density, highest_density},
+                "Volume of the spheres, overlaps counted twice, over that of the box. Random close packing of equal "
+                "spheres is 0.64; at a higher density they overlap more.")
+        .choice("--law", request.law, names_of_laws(), density_help())
+        .exclusive({"--density", "--law"})
         .option("--seed-radius", request.seed_radius, cli::Unit::length, cli::positive,
                 "Radius of the spheres; their mean radius with --dispersion.")
         .option("--dispersion", request.dispersion, cli::Unit::percent, {0, 100 * highest_dispersion},
@@ -46,6 +66,7 @@ cli::Usage usage(Request& request) {
               "packing made before with the same options is taken from it.")
         .step(cli::Step::sample)
         .threads()
+        .example("packgen brick.h5 --particles 20000 --law norton")
         .example("packgen brick.h5 --particles 20000 --density 0.70");
 }
 
@@ -101,9 +122,12 @@ void report_structure(const BrickStructure& structure, double diameter, std::siz
 }
 
 void run(const Request& request, cli::Tool& tool) {
+    if (!tool.given("--density") && !tool.given("--law"))
+        throw WrongUsage("give --density, or the --law that the samples are made for");
+    const double density = tool.given("--law") ? find_law(request.law)->traits().packing_density : request.density;
     const auto progress = tool.progress("compaction", 1.0);
     const Compaction wanted{.particles = request.particles,
-                            .density = request.density,
+                            .density = density,
                             .seed_radius = request.seed_radius,
                             .dispersion = request.dispersion / 100.0,
                             .aspect = aspect_of(request.aspect),

@@ -74,7 +74,7 @@ cli::Usage usage(Request& request) {
                 "the names of the scene.")
         .option("--density", request.density, cli::Unit::none, {0, 1, false, true},
                 "With --particles or --pixels-per-seed: density D of the brick that the sample will be cut from. The "
-                "default is that at which the law of the scene is at rest: 0.64 NORTON, 0.7 BILIN, 0.74 TRILIN.")
+                "default is that of the scene's law, as of packgen --law.")
         .option("--options", request.options,
                 "With --particles or --pixels-per-seed: also write into this folder one file for each tool of the "
                 "chain with the options that depend on the image or on the load.")
@@ -156,12 +156,14 @@ void report_features(const ImageFeatures& image, cli::Tool& tool) {
 
 void report_proposal(const Proposal& found, const ImageFeatures& image, cli::Tool& tool) {
     tool.report("law", found.choice.law);
-    tool.report(found.choice.key(), found.choice.step);
+    if (find_law(found.choice.law)->traits().quasi_static) tool.report("scheme", "quasi_static");
+    tool.report("strain_per_step", found.choice.step);
     tool.report("pixels_per_seed", found.seed_radius / image.voxel, "voxels");
     tool.report("seed_radius", found.seed_radius, "mm");
     tool.report("particles", static_cast<std::int64_t>(std::llround(found.particles)));
     tool.report("time_step", found.time_step, "s");
     tool.report("steps", found.steps);
+    if (found.evaluations > 0) tool.report("evaluations", found.evaluations);
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (const PredictedError& one : found.errors) {
         const ErrorParts& parts = one.parts;
@@ -335,11 +337,9 @@ void give_commands(const std::vector<std::string>& lines, const Request& request
     if (!request.script.empty()) write_text(request.script, fmt::format("set -eu\n{}\n", fmt::join(lines, "\n")));
 }
 
-/// D of a brick for a scene: that at which its law is at rest. Without a scene BILIN is proposed.
+/// D of a brick for a scene, given or to be proposed.
 double density_for(const std::optional<Scene>& scene) {
-    constexpr double of_other_laws = 0.7;
-    const auto found = shipped_trade().law.find(scene ? scene->law().name() : "bilin");
-    return found == shipped_trade().law.end() ? of_other_laws : found->second.density;
+    return (scene ? scene->law() : proposed_law()).traits().packing_density;
 }
 
 /// --objects, looked at with the image.

@@ -96,11 +96,21 @@ double resolution_of(Quantity quantity, const ImageFeatures& image, bool smalles
     return *feature_of(quantity, image, smallest) / (2 * radius);
 }
 
-std::int64_t steps_of(const Scene& scene, const Model& model) {
+/// Of a run, from the rest between its planes on.
+struct Work {
     std::int64_t steps = 0;
-    for (const LoadSegment& segment : load_path(scene, model)) steps += segment.steps;
-    if (model.law->traits().planes_pull) steps += relaxation_steps(model, seating_periods);
-    return steps;
+    double evaluations = 0;
+};
+
+Work work_of(const Scene& scene, const Model& model, double particles) {
+    Work work;
+    for (const LoadSegment& segment : load_path(scene, model)) work.steps += segment.steps;
+    work.evaluations = model.law->evaluations(model, particles, static_cast<double>(work.steps));
+    if (!model.law->traits().planes_pull) return work;
+    const std::int64_t seating = relaxation_steps(model, seating_periods);
+    work.steps += seating;
+    work.evaluations += model.law->evaluations_at_rest(model) * static_cast<double>(seating);
+    return work;
 }
 
 double prepare_seconds_of(const TradeCurve& curve, double particles) {
@@ -176,7 +186,9 @@ class Search {
         const Model model = compile_model(scene, outline(image_, tried.seed_radius));
         tried.particles = particles_of(image_, tried.seed_radius, trade.density);
         tried.time_step = model.time_step;
-        tried.steps = steps_of(scene, model);
+        const Work work = work_of(scene, model, tried.particles);
+        tried.steps = work.steps;
+        if (scene.scheme == Scheme::quasi_static) tried.evaluations = std::llround(work.evaluations);
         tried.flows = expected_flows(scene, std::llround(tried.particles), model);
         const double decades = std::max(0.0, std::log10(scene.highest_rate() / scene.lowest_rate()));
         double misfit = 0;
@@ -185,7 +197,7 @@ class Search {
 
         tried.errors.clear();
         tried.bytes = 0;
-        double particle_step = 0, prepare = 0;
+        double particle_evaluation = 0, prepare = 0;
         for (const Quantity quantity : of_) {
             const TradeCurve& curve = trade.curve.at(quantity);
             PredictedError error;
@@ -195,10 +207,10 @@ class Search {
             error.parts.rates = std::max(decades * curve.rate_error.value_or(0), is_stress(quantity) ? misfit : 0.0);
             tried.errors.push_back(error);
             tried.bytes = std::max(tried.bytes, curve.bytes[0] + curve.bytes[1] * tried.particles);
-            particle_step = std::max(particle_step, curve.particle_step);
+            particle_evaluation = std::max(particle_evaluation, curve.particle_step);
             prepare = std::max(prepare, prepare_seconds_of(curve, tried.particles));
         }
-        tried.cpu_seconds = particle_step * tried.particles * static_cast<double>(tried.steps);
+        tried.cpu_seconds = particle_evaluation * tried.particles * work.evaluations;
         tried.prepare_seconds = prepare;
     }
 
@@ -391,8 +403,7 @@ std::vector<CoarseStress> coarse_stresses(const ImageFeatures& image, const Scen
     if (curve != trade->second.curve.end()) try {
             const Model model = compile_model(scene, outline(image, coarse.seed_radius));
             coarse.cpu_seconds =
-                curve->second.particle_step * coarse.particles *
-                    model.law->evaluations(model, coarse.particles, static_cast<double>(steps_of(scene, model))) +
+                curve->second.particle_step * coarse.particles * work_of(scene, model, coarse.particles).evaluations +
                 prepare_seconds_of(curve->second, coarse.particles);
         } catch (const InvalidInput&) {
             // solve says what the scene cannot do; what it would cost is not known then.
@@ -428,11 +439,11 @@ Plan make_plan(const ImageFeatures& image, const PlanRequest& request, const Tra
             closest.errors.begin(), closest.errors.end(),
             [](const PredictedError& a, const PredictedError& b) { return a.parts.total() < b.parts.total(); });
         throw InvalidInput(fmt::format(
-            "an error of {:g} % is out of reach: the smallest is {:.2g} % of {}, with law \"{}\", {} = {:.4g} and "
+            "an error of {:g} % is out of reach: the smallest is {:.2g} % of {}, with law \"{}\", strain_per_step = "
+            "{:.4g} and "
             "{:.0f} particles; {} limits it; give --error {:g}%",
             100 * request.error, 100 * worst->parts.total(), name_of(worst->quantity), closest.choice.law,
-            closest.choice.key(), closest.choice.step, closest.particles, worst->parts.largest(),
-            reachable(100 * worst->parts.total())));
+            closest.choice.step, closest.particles, worst->parts.largest(), reachable(100 * worst->parts.total())));
     }
     std::sort(found.within.begin(), found.within.end(),
               [](const Proposal& a, const Proposal& b) { return Search::cost(a) < Search::cost(b); });

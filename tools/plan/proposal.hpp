@@ -32,8 +32,8 @@ struct Proposal {
     std::string scene;                    ///< the user's text with that choice
     double density = 0, seed_radius = 0;  ///< of the brick; [mm]
     double particles = 0;
-    double time_step = 0;  ///< s
-    std::int64_t steps = 0;
+    double time_step = 0;                         ///< s
+    std::int64_t steps = 0, evaluations = 0;      ///< evaluations of the pair forces, of quasi-static steps
     double cpu_seconds = 0, prepare_seconds = 0;  ///< of solve; of filling and relaxing
     double bytes = 0;
     std::vector<PredictedError> errors;

@@ -19,8 +19,8 @@ constexpr double probe_ratio = 1.6;
 /// Of a proposed scene.
 constexpr double proposed_strain = 0.3;
 
-constexpr const char* matrix_law = "norton = { K = 95.9, M = 2.45e-3 }   # MPa.s^M";
-constexpr const char* inclusion_law = "norton = { K = 5020, M = 0.49 }      # MPa.s^M";
+constexpr const char* matrix_law = "norton = { K = 200, M = 0.1 }     # MPa.s^M";
+constexpr const char* inclusion_law = "norton = { K = 5020, M = 0.49 }   # MPa.s^M";
 
 double volume_of_ball(double radius) {
     return 4.0 / 3 * std::numbers::pi * std::pow(radius, 3);
@@ -87,16 +87,20 @@ std::string proposed_scene(const std::map<std::int32_t, std::string>& names, con
         "SCENE=)\n"
         "seed_radius = 0.5   # mm; the constants are scaled to the particles of the sample\n\n";
     for (std::size_t k = 0; k < solid.size(); ++k)
-        text += fmt::format("[phase.\"{}\"]\nlabel = {}\nlaw = \"bilin\"\n{}\n{}\n", names.at(solid[k].label),
-                            solid[k].label, k == 0 ? matrix_law : inclusion_law, k == 0 ? "" : "objects = true\n");
+        text +=
+            fmt::format("[phase.\"{}\"]\nlabel = {}\nlaw = \"{}\"\n{}\n{}\n", names.at(solid[k].label), solid[k].label,
+                        proposed_law().name(), k == 0 ? matrix_law : inclusion_law, k == 0 ? "" : "objects = true\n");
     return text + fmt::format(
                       "[load]\naxis = \"z\"\nsteps = [ {{ strain = -{:g}, rate = 1e-3 }} ]\n\n"
-                      "[accuracy]\nstrain_per_step = 2e-5   # larger is faster and has more inertia\n"
-                      "averaging_strain = 0.01\nframes = 30\n",
+                      "[accuracy]\nframes = 30\n",
                       proposed_strain);
 }
 
 }  // namespace
+
+const Law& proposed_law() {
+    return norton_law();
+}
 
 std::vector<SolidLabel> solid_labels(const LabelVolume& volume, const LabelledObjects* labelled) {
     const std::map<std::int32_t, std::int64_t> histogram = volume.histogram();

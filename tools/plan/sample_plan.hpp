@@ -24,6 +24,9 @@ struct SolidLabel {
 /// @throws InvalidInput if it has more labels than phases (16), or is all void
 std::vector<SolidLabel> solid_labels(const LabelVolume& volume, const LabelledObjects* labelled = nullptr);
 
+/// Law of a scene that is proposed.
+const Law& proposed_law();
+
 /// What the user wants of the sample.
 struct SampleRequest {
     std::optional<double> particles;            ///< number of particles to aim at; or
@@ -62,9 +65,9 @@ struct SamplePlan {
 };
 
 /// The matrix is the label with most voxels; the others are inclusions, which consist of objects, unless the scene
-/// marks other phases with `objects = true`. Without a scene of the user, the matrix gets the constants of phase A of
-/// the thesis (94 MPa at 1e-3 /s, hardly rate-sensitive) and inclusions those of its phase B (170 MPa, M = 0.49),
-/// pressed along z to a strain of -0.3.
+/// marks other phases with `objects = true`. Without a scene of the user, the law is NORTON, the matrix has a flow
+/// stress of 100 MPa at 1e-3 /s with M = 0.1, inclusions that of the thesis' phase B (170 MPa, M = 0.49), and the
+/// sample is pressed along z to a strain of -0.3.
 ///
 /// In a porous image (solid below 98 %), components too small to have a shape are taken out: loose between the planes,
 /// they would carry the first load. Probes of 1.6 particle radii wrap a surface around dense particles without holes.

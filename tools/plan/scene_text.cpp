@@ -13,6 +13,8 @@
 namespace tomodem::plan {
 namespace {
 
+constexpr const char* step_key = "strain_per_step";
+
 struct Edit {
     std::size_t first, last;  ///< bytes replaced
     std::string by;
@@ -52,12 +54,18 @@ void choose_law(const std::string& text, const toml::table& root, const std::str
 
 void choose_step(const std::string& text, const toml::table& root, const SceneChoice& choice,
                  std::vector<Edit>& edits) {
-    const std::string line = fmt::format("{} = {:.4g}", choice.key(), choice.step);
+    const std::string line = fmt::format("{} = {:.4g}", step_key, choice.step);
     const toml::table* accuracy = root.get_as<toml::table>("accuracy");
     if (accuracy == nullptr) {
         edits.push_back({text.size(), text.size(),
                          fmt::format("{}\n[accuracy]\n{}\n", text.empty() || text.back() == '\n' ? "" : "\n", line)});
         return;
+    }
+    // Of its own line; in an inline table it stays, and the law refuses it.
+    if (const toml::node* window = accuracy->get("averaging_strain");
+        window != nullptr && find_law(choice.law)->traits().quasi_static && !accuracy->is_inline()) {
+        const std::size_t at = byte_of(text, window->source().begin), begin = text.rfind('\n', at) + 1;
+        edits.push_back({begin, std::min(end_of_line(text, at) + 1, text.size()), ""});
     }
     // A scene has one of them at most.
     for (const auto& [key, node] : *accuracy) {
@@ -65,7 +73,7 @@ void choose_step(const std::string& text, const toml::table& root, const SceneCh
         if (automatic || (key != "time_step" && key != "strain_per_step" && key != "inertia_share" &&
                           key != "max_equilibrium_error"))
             continue;
-        if (key != choice.key() || node.value_or(0.0) != std::stod(fmt::format("{:.4g}", choice.step)))
+        if (key != step_key || node.value_or(0.0) != std::stod(fmt::format("{:.4g}", choice.step)))
             edits.push_back({byte_of(text, key.source().begin), byte_of(text, node.source().end), line});
         return;
     }
@@ -106,40 +114,25 @@ std::string with_choice(const std::string& text, const SceneChoice& choice, cons
     for (const Edit& edit : edits) changed.replace(edit.first, edit.last - edit.first, edit.by);
 
     const Scene scene = parse_scene(changed, name);
-    const double step = number_of(scene.law_accuracy, choice.key()).value_or(scene.step_strain());
-    if (scene.law().name() != choice.law || std::abs(step / choice.step - 1) > 1e-3 || scene.time_step)
+    if (scene.law().name() != choice.law || std::abs(scene.step_strain() / choice.step - 1) > 1e-3 || scene.time_step)
         throw InvalidInput(fmt::format(
             "scene '{}': cannot put law = \"{}\" and {} = {:.4g} into it; write each key on a line of its own below "
             "[accuracy]",
-            name, choice.law, choice.key(), choice.step));
+            name, choice.law, step_key, choice.step));
     return changed;
 }
 
-namespace {
-
-Scene scene_of_any_law(const std::string& text, const std::string& name) {
+Scene readable_scene(const std::string& text, const std::string& name) {
     try {
         return parse_scene(text, name);
     } catch (const InvalidInput&) {
-        for (const SceneChoice& other : {SceneChoice{"norton", 0.02}, {"trilin", 1e-4}, {"bilin", 2e-5}}) try {
+        for (const SceneChoice& other : {SceneChoice{"norton", 8e-3}, {"trilin", 1e-4}, {"bilin", 2e-5}}) try {
                 return parse_scene(with_choice(text, other, name), name);
             } catch (const InvalidInput&) {
                 // The next law, or what is wrong with the first.
             }
         throw;
     }
-}
-
-}  // namespace
-
-Scene readable_scene(const std::string& text, const std::string& name) {
-    Scene scene = scene_of_any_law(text, name);
-    if (scene.scheme == Scheme::quasi_static)
-        throw InvalidInput(
-            fmt::format("scene '{}': a plan chooses from errors and costs that were measured in explicit steps only; "
-                        "remove scheme, strain_per_step and max_imbalance from [accuracy]",
-                        name));
-    return scene;
 }
 
 }  // namespace tomodem::plan

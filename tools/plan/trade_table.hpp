@@ -41,10 +41,10 @@ struct TradeCurve {
     std::vector<double> resolution;    ///< rising
     std::vector<double> bias, spread;  ///< of each: |mean error| and standard deviation over the packings
     std::vector<double> step,
-        step_error;  ///< rising: strain_per_step, of NORTON inertia_share; and what it changes
+        step_error;  ///< rising: strain_per_step; and what it changes
     /// Where the rate falls to a tenth of the one that constants are chosen for; none: not measured.
     std::optional<double> rate_error;
-    double particle_step = 0;             ///< CPU time of a particle in a step [s]
+    double particle_step = 0;  ///< CPU time of a particle in one computation of all pair forces (an explicit step) [s]
     std::array<double, 2> bytes{0, 0};    ///< of memory, at most: of an empty process, and of each particle
     std::array<double, 2> prepare{0, 0};  ///< CPU time of filling and relaxing: a + b N (N / 1000)^(1/3) [s]
 

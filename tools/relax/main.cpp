@@ -5,6 +5,7 @@
 
 #include "core/cli/cli.hpp"
 #include "core/packing/packing_file.hpp"
+#include "solver_plugin/run/forewarnings.hpp"
 #include "solver_plugin/run/mpi_session.hpp"
 #include "solver_plugin/run/solver.hpp"
 
@@ -69,6 +70,7 @@ void run(const Request& request, cli::Tool& tool) {
     const Packing sample = read_sample(request.sample);
     check_names(scene, sample);
     for (const std::string& line : other_names(scene, sample)) tool.warn(line);
+    warn_of_density(scene, sample, tool);
     Provenance provenance = tool.provenance();
     provenance.scene = scene.text;
     if (!scene.calibration_file.empty())

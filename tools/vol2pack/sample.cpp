@@ -172,6 +172,7 @@ Sample sample_volume(const LabelVolume& volume, const Tiling& tiling, const Regi
     Packing& packing = sample.packing;
     packing.box = tiling.box();
     packing.seed_radius = tiling.seed_radius();
+    packing.brick_density = tiling.density();
     packing.position.resize(total);
     packing.species.resize(total);
     packing.id.resize(total);

@@ -50,11 +50,12 @@ Tiling::Tiling(const Packing& brick, double seed_radius, const Box& box, std::ui
     if (brick.size() == 0 || !(brick.seed_radius > 0) || !(brick.box.volume() > 0))
         throw InvalidInput("the brick has no particles, no seed radius or no volume; make one with packgen");
     constexpr double loosest = 0.4;  // packgen's bricks have 0.5 and more
-    if (const double density = brick.density(); density < loosest)
+    density_ = brick.density();
+    if (density_ < loosest)
         throw InvalidInput(
             fmt::format("the brick fills only {:.3g} of its box with particles: it is a sample or a frame of "
                         "a run; give a dense packing from packgen",
-                        density));
+                        density_));
     edges_ = brick.box.edges * (seed_radius / brick.seed_radius);
     for (const double radius : brick.radius) radius_.push_back(radius * (seed_radius / brick.seed_radius));
     longest_needle_ = 1.4 * std::cbrt(edges_.prod() / static_cast<double>(brick.size()));

@@ -30,6 +30,7 @@ class Tiling {
     std::int64_t in_brick() const { return static_cast<std::int64_t>(position_.size()); }
     std::int64_t places() const { return tiles() * in_brick(); }
     double seed_radius() const { return seed_radius_; }
+    double density() const { return density_; }  ///< D of the brick
     /// The brick has spheres with radii of their own.
     bool has_radii() const { return !radius_.empty(); }
     double radius(std::int64_t place) const { return radius_[place % in_brick()]; }
@@ -59,7 +60,7 @@ class Tiling {
 
  private:
     Box box_;
-    double seed_radius_, longest_needle_;
+    double seed_radius_, density_, longest_needle_;
     Vec3 edges_;
     std::array<bool, 3> periodic_;
     std::vector<Vec3> position_;  // in [0, edge) along the periodic axes

@@ -103,7 +103,8 @@ class NortonLaw final : public Law {
                .max_energy_ratio = 1e-3,
                .max_force_balance = 1e-2,
                .max_heat = 10,
-               .accuracy_key = inertia_key,
+               .packing_density = 0.64,
+               .keeps_density = true,
                .less_heat = inertia_key,
                .less_inertia = std::string("a smaller ") + inertia_key}) {}
 
@@ -127,17 +128,16 @@ class NortonLaw final : public Law {
         if (const auto share = reader.optional_positive(inertia_key)) {
             if (quasi_static)
                 reader.fail(reader.get(inertia_key),
-                            fmt::format("scheme = \"quasi_static\" has no inertia: remove {} (strain_per_step sets the "
-                                        "step, max_imbalance the force balance)",
-                                        inertia_key));
+                            of_explicit_steps(inertia_key) +
+                                " (strain_per_step sets a quasi-static step, max_imbalance its force balance)");
             if (scene.time_step || reader.find("strain_per_step") != nullptr)
                 reader.fail(reader.get(inertia_key),
                             fmt::format("{} chooses the time step: remove time_step and strain_per_step", inertia_key));
             scene.law_accuracy[inertia_key] = *share;
         }
         if (const toml::node* node = reader.find("strain_per_step"); node != nullptr && !quasi_static)
-            reader.fail(*node, fmt::format("law \"norton\" chooses the time step by {}; give that, or time_step, or "
-                                           "scheme = \"quasi_static\"",
+            reader.fail(*node, fmt::format("scheme = \"explicit\" of law \"norton\" chooses the time step by {}; give "
+                                           "that, or time_step, or remove scheme",
                                            inertia_key));
         if (const auto rate = reader.optional_positive(reference_key, units::rate))
             scene.law_accuracy[reference_key] = *rate;

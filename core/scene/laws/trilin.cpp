@@ -33,7 +33,8 @@ class Trilin final : public CrownLaw {
                     .carries_tension = true,
                     .planes_pull = true,
                     .neighbour_skin = 1.6,
-                    .list_skin = 0.15},
+                    .list_skin = 0.15,
+                    .packing_density = 0.74},
                    law::trilin_stiffness_ratio) {}
 
     void read_phase(TomlReader& reader, Phase& phase) const override {

@@ -129,7 +129,7 @@ assert objects["components"] < 8'
     pipeline VOLUME=out/volume.tif VOXEL_SIZE=10um PARTICLES=1200 RELABEL=1=7 LABELS=7=iron,2=graphite OUT=user \
         user/sample.h5 user/scene.toml
     run -0 cat user/scene.toml
-    [[ $output == *'[phase."iron"]'*'label = 7'*'K = 95.9'*'[phase."graphite"]'*'label = 2'*'K = 5020'*'objects = true'* ]]
+    [[ $output == *'[phase."iron"]'*'label = 7'*'K = 200'*'[phase."graphite"]'*'label = 2'*'K = 5020'*'objects = true'* ]]
     grep -q '"objects": 3' user/sample.json
 }
 

@@ -145,6 +145,7 @@ norton = { K = 100, M = 0.2 }
 [load]
 steps = [ { strain = -0.02, rate = 1e-2 } ]
 [accuracy]
+scheme = "explicit"
 inertia_share = 0.2
 END
     says_the_same relaxed.h5 norton.toml "inertia_share = 0.2"

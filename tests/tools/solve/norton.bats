@@ -44,23 +44,26 @@ END
 
 @test "stress does not look at the time step" {
     make_brick brick.h5
-    norton_scene whole.toml "{ strain = -0.15, rate = 1e-3 }"
+    norton_scene whole.toml "{ strain = -0.15, rate = 1e-3 }" "" 'scheme = "explicit"'
     solve brick.h5 whole.toml whole.h5 --quiet --json whole.json
     half=$(/usr/bin/python3 -c 'import json; print(json.load(open("whole.json"))["time_step"] / 2)')
-    norton_scene half.toml "{ strain = -0.15, rate = 1e-3 }" "" "time_step = $half"
+    norton_scene half.toml "{ strain = -0.15, rate = 1e-3 }" "" "scheme = \"explicit\"
+time_step = $half"
     solve brick.h5 half.toml half.h5 --quiet
     stress=$(/usr/bin/python3 -c '
 import h5py
 f = h5py.File("whole.h5")["observables"]
 print(f["stress_true/value"][:][abs(f["strain/value"][:]) > 0.1].mean() / 1e6)')
     holds half.h5 "abs(s[late].mean() / $stress - 1) < 0.01"
-    norton_scene longer.toml "{ strain = -0.15, rate = 1e-3 }" "" "time_step = 1"
+    norton_scene longer.toml "{ strain = -0.15, rate = 1e-3 }" "" "scheme = \"explicit\"
+time_step = 1"
     refuses 1 'time_step 1 s is longer than law "norton" is stable with' solve brick.h5 longer.toml longer.h5
 }
 
 @test "pressing, pulling back and a change of the rate in one run, gone on with after a stop" {
     make_brick brick.h5
-    norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }, { strain = -0.15, rate = 3e-3 }, { strain = 0.0, rate = 1e-3 }"
+    norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }, { strain = -0.15, rate = 3e-3 }, { strain = 0.0, rate = 1e-3 }" \
+        "" 'scheme = "explicit"'
     solve brick.h5 scene.toml whole.h5 --quiet
     solve brick.h5 scene.toml run.h5 --quiet --checkpoint-every 0.0001 &
     for _ in $(seq 200); do [ -e run.h5.checkpoint ] && break; sleep 0.05; done
@@ -89,12 +92,57 @@ one, two = (h5py.File(f"{name}.h5")["observables/stress_true/value"][:] for name
 assert np.abs(two - one).max() < 0.01 * np.abs(one).max(), np.abs(two / one - 1).max()'
 }
 
-@test "explain says which limit set the time step" {
+@test "explain says the scheme, what set the time step, and what the run takes" {
     make_brick brick.h5
     norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }"
     run -0 solve --explain brick.h5 scene.toml run.h5
-    [[ "$output" == *"time_step_reason: viscous stability at half the lowest rate"* ]]
     [[ "$output" == *"viscous_flow_and_pressure_of_the_density: on"* ]]
+    [[ "$output" == *'velocities_that_are_found: on: scheme = "quasi_static"'* ]]
+    [[ "$output" == *"time_step_reason: a strain of 0.008 in a step at the highest rate"* ]]
+    for what in steps evaluations predicted_wall_seconds predicted_peak_bytes; do [[ "$output" == *$'\n'"$what: "[0-9]* ]]; done
+    norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }" "" 'scheme = "explicit"'
+    run -0 solve --explain brick.h5 scene.toml run.h5
+    [[ "$output" == *'velocities_that_are_found: off: scheme = "explicit"'* ]]
+    [[ "$output" == *"time_step_reason: viscous stability at half the lowest rate"* ]]
+    [[ "$output" != *$'\n'"evaluations: "* ]]
+}
+
+@test "a run keeps the scheme that it began with" {
+    make_brick brick.h5
+    norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }"
+    relax brick.h5 scene.toml sample.h5 --quiet
+    solve sample.h5 scene.toml whole.h5 --quiet
+    solve sample.h5 scene.toml run.h5 --quiet --checkpoint-every 0.00001 & process=$!
+    for _ in $(seq 400); do [ -e run.h5.checkpoint ] && break; sleep 0.01; done
+    kill -9 $process
+    wait $process || true
+    [ ! -e run.h5 ]
+    # As of a version that took explicit steps where the scene says nothing.
+    cp run.h5.checkpoint kept.checkpoint
+    /usr/bin/python3 - <<'END'
+import h5py
+with h5py.File("run.h5.checkpoint", "r+") as file:
+    scene = open("scene.toml").read()
+    inputs = file["inputs"]
+    assert inputs["scene"].asstr()[()].startswith(scene)
+    del inputs["scene"]
+    inputs["scene"] = scene
+END
+    refuses 1 'it was made in explicit steps, then the default of its law' solve sample.h5 scene.toml run.h5 --resume
+    cp kept.checkpoint run.h5.checkpoint
+    solve sample.h5 scene.toml run.h5 --quiet --resume
+    # What is stored repeats the run.
+    /usr/bin/python3 -c 'import h5py
+open("stored.toml", "w").write(h5py.File("run.h5")["parameters/tomodem/scene"].asstr()[()])'
+    grep -q '^scheme = "quasi_static"' stored.toml
+    solve sample.h5 stored.toml again.h5 --quiet
+    /usr/bin/python3 - <<'END'
+import h5py
+whole = h5py.File("whole.h5")
+for other in ("run.h5", "again.h5"):
+    for name in ("observables/stress_true/value", "particles/all/position/value"):
+        assert whole[name][:].tobytes() == h5py.File(other)[name][:].tobytes(), (other, name)
+END
 }
 
 @test "what does not go with the law is refused with its line" {
@@ -103,7 +151,10 @@ assert np.abs(two - one).max() < 0.01 * np.abs(one).max(), np.abs(two / one - 1)
     with() { sed "$1" scene.toml > bad.toml; refuses 1 "$2" solve brick.h5 bad.toml run.h5; }
     with 's/^norton = .*/&\nnatural_period = 1/' 'line 5: natural_period belongs to the other laws'
     with 's/^norton = .*/repulsive_stiffness = 1e9/' 'belongs to the other laws'
-    with 's/^frames.*/strain_per_step = 1e-5/' 'chooses the time step by inertia_share'
+    with 's/^frames.*/scheme = "explicit"\nstrain_per_step = 1e-5/' 'chooses the time step by inertia_share'
+    with 's/^frames.*/inertia_share = 0.02/' 'line 9: inertia_share belongs to explicit steps'
+    sed 's/^frames.*/inertia_share = 0.02\nscheme = "explicit"/' scene.toml > told.toml
+    solve brick.h5 told.toml told.h5 --explain --quiet
     with '1i radius_dispersion = 0.1' 'is made for equal radii'
     with '1i crown_radius = 0.7' 'is made for a crown_radius of 1.5 seed radii'
     with 's/M = 0.5/M = 1.2/' 'M in norton is above 1'

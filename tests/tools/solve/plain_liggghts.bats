@@ -87,6 +87,9 @@ velocity = [0, 0, 3e-3]
 [load]
 duration = "120 s"
 rate = 1e-3
+
+[accuracy]
+scheme = "explicit"
 END
     solve sample.h5 scene.toml run.h5 --quiet
     /usr/bin/python3 - <<'END'

@@ -13,7 +13,6 @@ norton = { K = 100, M = $2 }
 lateral = "$3"
 steps = [ $4 ]
 [accuracy]
-scheme = "quasi_static"
 frames = 3
 $5
 [output]

@@ -29,8 +29,8 @@ strain_per_step = 1e-5   # µ: finer than need be
 
 TEST(SceneText, ChangesOnlyLawAndStep) {
     const std::string wanted = replaced(replaced(commented, "law = \"bilin\"", "law = \"norton\""),
-                                        "strain_per_step = 1e-5", "inertia_share = 0.02");
-    EXPECT_EQ(with_choice(commented, {"norton", 0.02}, "scene.toml"), wanted);
+                                        "strain_per_step = 1e-5", "strain_per_step = 0.008");
+    EXPECT_EQ(with_choice(commented, {"norton", 8e-3}, "scene.toml"), wanted);
 }
 
 TEST(SceneText, StaysAsItIsWhereItHasTheChoice) {
@@ -58,8 +58,8 @@ TEST(SceneText, ReplacesATimeStepThatWasGivenAndKeepsAuto) {
 
 TEST(SceneText, ReachesIntoInlineTables) {
     const std::string text = "accuracy = { frames = 3, strain_per_step = 1e-5 }\n" + std::string(drawn::one_phase);
-    EXPECT_EQ(with_choice(text, {"norton", 0.05}, "scene.toml"),
-              replaced(replaced(text, "strain_per_step = 1e-5", "inertia_share = 0.05"), "bilin", "norton"));
+    EXPECT_EQ(with_choice(text, {"norton", 4e-3}, "scene.toml"),
+              replaced(replaced(text, "strain_per_step = 1e-5", "strain_per_step = 0.004"), "bilin", "norton"));
     const std::string without = "accuracy = { frames = 3 }\n" + std::string(drawn::one_phase);
     EXPECT_THAT(with_choice(without, {"bilin", 2e-5}, "scene.toml"),
                 HasSubstr("accuracy = { strain_per_step = 2e-05, frames = 3 }\n"));
@@ -72,7 +72,7 @@ TEST(SceneText, RejectsALawThatCannotHoldTheScene) {
             with_choice(tension, {"bilin", 1e-5}, "scene.toml");
         },
         ThrowsMessage<InvalidInput>(HasSubstr("is tension, which law \"bilin\"")));
-    EXPECT_THAT(with_choice(tension, {"norton", 0.02}, "scene.toml"), HasSubstr("law = \"norton\""));
+    EXPECT_THAT(with_choice(tension, {"norton", 8e-3}, "scene.toml"), HasSubstr("law = \"norton\""));
 }
 
 TEST(SceneText, IsReadableWhereAnotherLawCanHoldIt) {
@@ -80,11 +80,23 @@ TEST(SceneText, IsReadableWhereAnotherLawCanHoldIt) {
               0.3);
 }
 
-TEST(SceneText, RejectsQuasiStaticStepsUntilTheyAreTakenOut) {
-    const std::string viscous = replaced(std::string(drawn::one_phase), "bilin", "norton");
-    EXPECT_THAT([&] { readable_scene(viscous + "[accuracy]\nscheme = \"quasi_static\"\n", "scene.toml"); },
-                ThrowsMessage<InvalidInput>(HasSubstr("remove scheme, strain_per_step and max_imbalance")));
-    EXPECT_EQ(readable_scene(viscous + "[accuracy]\n", "scene.toml").law().name(), "norton");
+TEST(SceneText, OfQuasiStaticStepsHasNoWindowOfAveraging) {
+    const std::string text = std::string(drawn::one_phase) +
+                             "[accuracy]\nframes = 3\naveraging_strain = 0.02   # smooth\nstrain_per_step = 1e-5\n";
+    EXPECT_EQ(with_choice(text, {"norton", 8e-3}, "scene.toml"),
+              replaced(replaced(replaced(text, "averaging_strain = 0.02   # smooth\n", ""), "strain_per_step = 1e-5",
+                                "strain_per_step = 0.008"),
+                       "bilin", "norton"));
+    EXPECT_THAT(with_choice(text, {"bilin", 2e-5}, "scene.toml"), HasSubstr("averaging_strain = 0.02   # smooth\n"));
+    // The last line, without an end.
+    EXPECT_THAT(
+        with_choice(std::string(drawn::one_phase) + "[accuracy]\naveraging_strain = 0.02", {"norton", 8e-3}, "s"),
+        testing::Not(HasSubstr("averaging")));
+    EXPECT_THAT(
+        [&] {
+            with_choice(std::string(drawn::one_phase) + "[accuracy]\nscheme = \"explicit\"\n", {"norton", 8e-3}, "s");
+        },
+        ThrowsMessage<InvalidInput>(HasSubstr("or remove scheme")));
 }
 
 TEST(SceneText, TellsWhatIsWrongWithTheUsersOwnText) {

@@ -66,6 +66,11 @@ TEST(TradeTable, ThatShipsHasEveryQuantityOfItsLaws) {
         }
 }
 
+TEST(TradeTable, ThatShipsWasMeasuredWithThePackingsOfItsLaws) {
+    for (const auto& [law, trade] : shipped_trade().law)
+        EXPECT_EQ(trade.density, find_law(law)->traits().packing_density) << law;
+}
+
 TEST(TradeTable, RejectsWhatIsWrongWithItsLine) {
     const auto rejected = [](const std::string& what, const std::string& by, const std::string& message) {
         EXPECT_THAT([&] { parse_trade(replaced(text, what, by), "table.toml"); },

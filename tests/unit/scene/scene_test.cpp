@@ -135,39 +135,78 @@ std::string viscous(const std::string& accuracy, const std::string& law = "norto
         law, contact, load, accuracy);
 }
 
-TEST(Scene, IsQuasiStaticUnderNortonWhereItSaysSo) {
-    const std::string scheme = "scheme = \"quasi_static\"\n";
-    const Scene quasi_static = parse_scene(viscous(scheme + "time_step = \"auto\""), "s");
-    EXPECT_EQ(quasi_static.scheme, Scheme::quasi_static);
-    EXPECT_DOUBLE_EQ(quasi_static.max_imbalance, 1e-2);
-    EXPECT_FALSE(quasi_static.strain_per_step.has_value());
-    const Scene finer = parse_scene(viscous(scheme + "max_imbalance = 1e-3\nstrain_per_step = 4e-3"), "s");
+TEST(Scene, IsQuasiStaticUnderNortonUnlessItSaysOtherwise) {
+    const Scene plain = parse_scene(viscous("time_step = \"auto\""), "s");
+    EXPECT_EQ(plain.scheme, Scheme::quasi_static);
+    EXPECT_DOUBLE_EQ(plain.max_imbalance, 1e-2);
+    EXPECT_FALSE(plain.strain_per_step.has_value());
+    const std::string without_accuracy = viscous("").substr(0, viscous("").find("[accuracy]"));
+    EXPECT_EQ(parse_scene(without_accuracy, "s").scheme, Scheme::quasi_static);
+    const Scene finer = parse_scene(viscous("max_imbalance = 1e-3\nstrain_per_step = 4e-3"), "s");
     EXPECT_DOUBLE_EQ(finer.max_imbalance, 1e-3);
     EXPECT_DOUBLE_EQ(finer.step_strain(), 4e-3);
-    EXPECT_EQ(parse_scene(viscous(""), "s").scheme, Scheme::explicit_steps);
-    EXPECT_EQ(parse_scene(viscous("scheme = \"explicit\"", "bilin"), "s").scheme, Scheme::explicit_steps);
+    EXPECT_EQ(parse_scene(viscous("scheme = \"quasi_static\""), "s").scheme, Scheme::quasi_static);
+    EXPECT_EQ(parse_scene(viscous("scheme = \"explicit\""), "s").scheme, Scheme::explicit_steps);
+    for (const char* law : {"bilin", "trilin"}) {
+        EXPECT_EQ(parse_scene(viscous("", law), "s").scheme, Scheme::explicit_steps);
+        EXPECT_EQ(parse_scene(viscous("scheme = \"explicit\"", law), "s").scheme, Scheme::explicit_steps);
+    }
+}
 
-    expect_refused(viscous(scheme, "bilin"), "8", "law \"bilin\" is solved in explicit steps only");
-    expect_refused(viscous(scheme, "trilin"), "8", "take law = \"norton\"");
+TEST(Scene, OfQuasiStaticStepsRefusesWhatBelongsToExplicitOnes) {
+    for (const std::string scheme : {"", "scheme = \"quasi_static\"\n"}) {
+        const std::string line = scheme.empty() ? "8" : "9";
+        for (const std::string key : {"inertia_share = 0.02", "time_step = 0.1", "averaging_strain = 0.01"}) {
+            const std::string name = key.substr(0, key.find(' '));
+            expect_refused(viscous(scheme + key), line, name + " belongs to explicit steps");
+            expect_refused(viscous(scheme + key), line, "add scheme = \"explicit\" to [accuracy], or remove " + name);
+            // As told.
+            EXPECT_EQ(parse_scene(viscous("scheme = \"explicit\"\n" + key), "s").scheme, Scheme::explicit_steps);
+        }
+        const std::string initiation = "initiation = { strain = 0.01 }\n";
+        expect_refused(viscous(scheme, "norton", initiation), "5", "initiation belongs to explicit steps");
+        EXPECT_NO_THROW(parse_scene(viscous("scheme = \"explicit\"", "norton", initiation), "s"));
+        expect_refused(viscous(scheme + "strain_per_step = 0.06"), line, "takes at most 0.05");
+        expect_refused(viscous(scheme + "max_imbalance = 0.2"), line, "at most 0.1");
+    }
+    const std::string by_force = "scheme = \"quasi_static\"";
+    expect_refused(viscous(by_force, "bilin"), "8", "law \"bilin\" is solved in explicit steps only");
+    expect_refused(viscous(by_force, "trilin"), "8", "take law = \"norton\"");
     expect_refused(viscous("scheme = \"implicit\""), "8", "expected \"explicit\" or \"quasi_static\"");
-    expect_refused(viscous(scheme + "inertia_share = 0.02"), "9", "has no inertia: remove inertia_share");
-    expect_refused(viscous(scheme + "time_step = 0.1"), "9", "give strain_per_step instead of time_step");
-    expect_refused(viscous(scheme + "strain_per_step = 0.06"), "9", "takes at most 0.05");
-    expect_refused(viscous(scheme + "max_imbalance = 0.2"), "9", "at most 0.1");
-    expect_refused(viscous(scheme + "averaging_strain = 0.01"), "9", "remove averaging_strain");
-    expect_refused(viscous("max_imbalance = 1e-3"), "8", "goes with scheme = \"quasi_static\"");
-    expect_refused(viscous("max_imbalance = 1e-3", "bilin"), "8", "goes with scheme = \"quasi_static\"");
-    expect_refused(viscous("strain_per_step = 1e-3"), "8", "or scheme = \"quasi_static\"");
-    expect_refused(viscous(scheme, "norton", "initiation = { strain = 0.01 }\n"), "5", "smooths a transient");
+    expect_refused(viscous("max_imbalance = 1e-3", "bilin"), "8", "goes with quasi-static steps");
+    const std::string explicit_steps = "scheme = \"explicit\"\n";
+    expect_refused(viscous(explicit_steps + "max_imbalance = 1e-3"), "9", "goes with quasi-static steps");
+    expect_refused(viscous(explicit_steps + "strain_per_step = 1e-3"), "9", "or remove scheme");
 }
 
 TEST(Scene, RefusesSelfContactUnderALawThatKeepsNoMemoryOfPairs) {
     const std::string contact = "[contact]\nself_contact = true\n";
-    for (const std::string accuracy : {"", "scheme = \"quasi_static\"\n"})
+    for (const std::string accuracy : {"", "scheme = \"explicit\"\n"})
         expect_refused(viscous(accuracy, "norton", "", contact), "6", "remove self_contact, or take law \"trilin\"");
     EXPECT_FALSE(parse_scene(viscous("", "norton", "", "[contact]\nself_contact = false\n"), "s").self_contact);
     EXPECT_TRUE(parse_scene(viscous("", "trilin", "", contact), "s").self_contact);
     EXPECT_TRUE(parse_stored_scene(viscous("", "norton", "", contact), "s").self_contact) << "of an earlier version";
+}
+
+TEST(Scene, StoredInARunSaysTheSchemeThatItsLawChose) {
+    const Scene written = parse_scene(viscous("frames = 3"), "s");
+    EXPECT_THAT(written.text, testing::StartsWith(viscous("frames = 3")));
+    EXPECT_THAT(written.text, testing::HasSubstr("[resolved]\nscheme = \"quasi_static\"\n"));
+    for (const Scene& again : {parse_stored_scene(written.text, "s"), parse_scene(written.text, "s")}) {
+        EXPECT_EQ(again.scheme, Scheme::quasi_static);
+        EXPECT_EQ(again.text, written.text);
+    }
+    const std::string inline_table = "accuracy = { frames = 3 }\n" + viscous("").substr(0, viscous("").find("[acc"));
+    EXPECT_EQ(parse_stored_scene(parse_scene(inline_table, "s").text, "s").scheme, Scheme::quasi_static);
+    for (const std::string given : {"scheme = \"explicit\"", "scheme = \"quasi_static\""})
+        EXPECT_EQ(parse_scene(viscous(given), "s").text, viscous(given));
+    EXPECT_EQ(parse_scene(viscous("", "bilin"), "s").text, viscous("", "bilin"));
+}
+
+TEST(Scene, StoredInARunOfAnEarlierVersionIsExplicit) {
+    for (const std::string accuracy : {"", "inertia_share = 0.03", "averaging_strain = 0.02\ntime_step = 1e-3"})
+        EXPECT_EQ(parse_stored_scene(viscous(accuracy), "s").scheme, Scheme::explicit_steps) << accuracy;
+    EXPECT_EQ(parse_stored_scene(viscous("scheme = \"quasi_static\""), "s").scheme, Scheme::quasi_static);
 }
 
 TEST(Scene, SaysTheNewNameOfAKeyThatWasRenamed) {
@@ -182,7 +221,8 @@ TEST(Scene, SaysTheNewNameOfAKeyThatWasRenamed) {
     expect_refused(text("trilin", "equilibrium_error"), "8", "choose strain_per_step");
     expect_refused(text("bilin", "inertia_share"), "8", "belongs to law \"norton\"");
     expect_refused(text("norton", "max_equilibrium_error"), "8", "belongs to law \"bilin\"");
-    EXPECT_EQ(number_of(parse_scene(text("norton", "inertia_share"), "s").law_accuracy, "inertia_share"), 0.01);
+    const std::string explicit_steps = text("norton", "scheme = \"explicit\"\ninertia_share");
+    EXPECT_EQ(number_of(parse_scene(explicit_steps, "s").law_accuracy, "inertia_share"), 0.01);
     EXPECT_EQ(number_of(parse_scene(text("bilin", "max_equilibrium_error"), "s").law_accuracy, "max_equilibrium_error"),
               0.01);
 }

@@ -46,6 +46,8 @@ norton = { K = 5020, M = 0.49 }
 )" + contact + R"(
 [load]
 steps = [ { strain = -0.3, rate = 1e-3 } ]
+[accuracy]
+scheme = "explicit"
 )",
                                      "test"),
                          packing);

@@ -28,7 +28,7 @@ Model stepping(const Scene& scene) {
 }
 
 TEST(RunPlan, OfAQuasiStaticRunHasAPointAtEveryStepAndItsFramesAtTheRightTimes) {
-    const Scene scene = jumping("scheme = \"quasi_static\"\nframes = 6\n");
+    const Scene scene = jumping("frames = 6\n");
     const auto path = load_path(scene, stepping(scene));
     const auto clocks = clocks_of(path);
     const auto plan = plan_points(scene, path);
@@ -50,7 +50,7 @@ TEST(RunPlan, OfAQuasiStaticRunHasAPointAtEveryStepAndItsFramesAtTheRightTimes) 
 }
 
 TEST(RunPlan, OfExplicitStepsAveragesOverAWindow) {
-    const Scene scene = jumping("frames = 6\n");
+    const Scene scene = jumping("scheme = \"explicit\"\nframes = 6\n");
     EXPECT_EQ(window_points(scene), points_per_window);
     const auto plan = plan_points(scene, load_path(scene, stepping(scene)));
     // 0.1 at 1e-5 a step has a hundred points 1e-3 apart; 0.2 at 0.01 a step no more than its 20 steps.
@@ -59,7 +59,7 @@ TEST(RunPlan, OfExplicitStepsAveragesOverAWindow) {
 }
 
 TEST(ForceWindow, OfAQuasiStaticRunIsTheLastPoint) {
-    ForceWindow window(window_points(jumping("scheme = \"quasi_static\"\n")));
+    ForceWindow window(window_points(jumping("")));
     window.add({{1, 2, 1}, {}, 1});
     window.add({{3, 4, 1}, {}, 1});
     EXPECT_EQ(window.mean().planes.top, 3);

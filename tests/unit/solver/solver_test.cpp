@@ -259,7 +259,7 @@ Packing column(double height) {
 
 Scene quasi_static(const std::string& load, const std::string& accuracy = "", const std::string& rest = "") {
     return parse_scene("[phase.a]\nlabel = 1\nlaw = \"norton\"\nnorton = { K = 100, M = 0.3 }\n" + rest + "[load]\n" +
-                           load + "\n[accuracy]\nscheme = \"quasi_static\"\n" + accuracy,
+                           load + "\n[accuracy]\n" + accuracy,
                        "test");
 }
 
@@ -345,7 +345,7 @@ TEST(CompileModel, ForeseesTheEvaluationsOfAQuasiStaticLoadWithinThirtyPercent) 
         const Scene scene =
             parse_scene("[phase.a]\nlabel = 1\nlaw = \"norton\"\nnorton = { K = 100, M = " + count.exponent +
                             " }\n[load]\nsteps = [ { strain = -0.3, rate = 1e-3 } ]\n"
-                            "[accuracy]\nscheme = \"quasi_static\"\n" +
+                            "[accuracy]\n" +
                             count.accuracy,
                         "test");
         const Model model = compile_model(scene, column(20));
