@@ -194,3 +194,24 @@ print(expected, tool, die)
 assert expected > 0 and abs(tool / expected - 1) < 0.3 and abs(die / -expected - 1) < 0.3
 END
 }
+
+@test "a sample of another density is said to change its size, and packgen --law makes one that does not" {
+    phantom_inclusions image.tif --size 30 --voxel-size 10um --count 1 --diameter 120um --quiet
+    norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }"
+    for density in "--density 0.70" "--density 0.655" "--density 0.645" "--law norton"; do
+        # shellcheck disable=SC2086
+        packgen brick.h5 --particles 300 $density --quiet
+        vol2pack brick.h5 image.tif sample.h5 --relabel 2=1 --pixels-per-seed 2.4 --quiet
+        for tool in "relax sample.h5 scene.toml relaxed.h5" "solve sample.h5 scene.toml run.h5 --explain" "relax brick.h5 scene.toml relaxed.h5"; do
+            run -0 --separate-stderr $tool --quiet
+            case $density in
+                *0.70) [[ $stderr == *'the sample will grow by about 9 % in volume; make the brick with packgen --law norton'* ]] ;;
+                *0.655) [[ $stderr == *'has a density of 0.655'* ]] ;;
+                *) [[ $stderr != *density* ]] ;;
+            esac
+        done
+    done
+    # What is at rest is said nothing of.
+    run -0 --separate-stderr solve relaxed.h5 scene.toml run.h5 --explain --quiet
+    [[ $stderr != *density* ]]
+}
