@@ -9,7 +9,7 @@ namespace {
 
 /// Of the forces: norm of what is left over that at the beginning.
 constexpr double tolerance = 1e-4;
-/// 5 to 15 are usual.
+/// Four to six are usual.
 constexpr int most_iterations = 1000;
 
 double along(Four vector, Four normal) {
