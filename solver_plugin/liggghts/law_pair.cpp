@@ -114,7 +114,7 @@ void LawPair::read_properties() {
 
 ParticleView LawPair::particles() const {
     return {atom->x[0], atom->v[0], atom->radius, atom->type, atom->tag, atom->nlocal, atom->nlocal + atom->nghost,
-            object_};
+            object_,    atom->rmass};
 }
 
 NeighbourView LawPair::list() const {
@@ -183,9 +183,22 @@ void LawPair::take_largest(double* values, std::size_t count) const {
     MPI_Allreduce(MPI_IN_PLACE, values, static_cast<int>(count), MPI_DOUBLE, MPI_MAX, world);
 }
 
-double LawPair::rate(double start) const {
+/// A script may give that name to a fix of another style.
+const FixPlanes* LawPair::fix_planes() const {
     const int planes = modify->find_fix("planes");
-    return planes < 0 ? 0 : std::abs(static_cast<const FixPlanes*>(modify->fix[planes])->rate(start));
+    return planes < 0 ? nullptr : dynamic_cast<const FixPlanes*>(modify->fix[planes]);
+}
+
+double LawPair::rate(double start) const {
+    const FixPlanes* const planes = fix_planes();
+    return planes == nullptr ? 0 : std::abs(planes->rate(start));
+}
+
+std::vector<NearWall> LawPair::planes(double start, double interval) const {
+    std::vector<NearWall> walls;
+    if (const FixPlanes* const planes = fix_planes())
+        planes->add_walls(start, interval, 0, atom->nlocal + atom->nghost, walls);
+    return walls;
 }
 
 std::vector<NearWall> LawPair::walls(double start, double interval) const {
@@ -195,7 +208,7 @@ std::vector<NearWall> LawPair::walls(double start, double interval) const {
     int number = 0;
     for (int k = 0; k < modify->nfix; ++k) {
         if (const auto* planes = dynamic_cast<const FixPlanes*>(modify->fix[k]))
-            planes->add_walls(start, interval, number, walls);
+            planes->add_walls(start, interval, number, atom->nlocal, walls);
         else if (const auto* surface = dynamic_cast<const FixSurface*>(modify->fix[k]))
             surface->add_walls(start, interval, number, walls);
         else
@@ -242,11 +255,18 @@ void LawPair::pair_forces(const PairKernel::UsePair& use) const {
     kernel().pair_forces(view, list(), contact_ == nullptr ? nullptr : &contact_->memory(), use);
 }
 
-double LawPair::wall_force(int i, double distance, const double* normal, double rate) const {
+double LawPair::wall_force(int i, double distance, const double* normal, double rate, int plane) const {
     double other = 0;
     for (int c = 0; c < 3; ++c) other += normal[c] * atom->f[i][c];
-    return kernel().wall_force({i, atom->type[i], atom->radius[i], distance, rate, other, update->dt / atom->rmass[i],
-                                {normal[0], normal[1], normal[2]}});
+    return kernel().wall_force({i,
+                                atom->type[i],
+                                atom->radius[i],
+                                distance,
+                                rate,
+                                other,
+                                update->dt / atom->rmass[i],
+                                {normal[0], normal[1], normal[2]},
+                                plane});
 }
 
 double script_wall_force(LAMMPS& lmp, int i, double distance, const double* normal, double rate) {

@@ -10,6 +10,7 @@
 namespace tomodem::plugin {
 
 class FixContact;
+class FixPlanes;
 
 /// `pair_style gran model NAME tangential off`: the forces of a law between particles.
 ///
@@ -54,7 +55,8 @@ class LawPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranu
     /// Force of a wall on a particle along the wall's normal, repulsion positive.
     /// @param normal  unit vector from the wall to the particle
     /// @param rate    of the distance, relative to the wall
-    double wall_force(int i, double distance, const double* normal, double rate) const;
+    /// @param plane   WallContact::plane
+    double wall_force(int i, double distance, const double* normal, double rate, int plane = -1) const;
 
     void settings(int, char**, LIGGGHTS::IContactHistorySetup*) override {}
     void init_granular() override;
@@ -73,9 +75,11 @@ class LawPair : private LAMMPS_NS::Pointers, public LIGGGHTS::PairStyles::IGranu
     void solve(double start, double* forces);
     void add_up(double* values, std::size_t count) const override;
     void take_largest(double* values, std::size_t count) const override;
+    const FixPlanes* fix_planes() const;
     double rate(double start) const override;
     bool can_turn() const override { return domain->xperiodic + domain->yperiodic + domain->zperiodic == 0; }
     std::vector<NearWall> walls(double start, double interval) const override;
+    std::vector<NearWall> planes(double start, double interval) const override;
     ParticleView particles() const;
     NeighbourView list() const;
 

@@ -39,7 +39,8 @@ double FixPlanes::press(const std::vector<int>& candidates, double plane, double
         const double distance = inward * (atom->x[i][2] - plane);
         if (distance >= pair.kernel().plane_reach(atom->radius[i])) continue;
         const double normal[3] = {0, 0, inward};
-        const double normal_force = pair.wall_force(i, distance, normal, inward * (atom->v[i][2] - velocity));
+        const double normal_force =
+            pair.wall_force(i, distance, normal, inward * (atom->v[i][2] - velocity), inward > 0 ? 0 : 1);
         atom->f[i][2] += inward * normal_force;
         total += normal_force;
         const double part = -normal_force * (distance - pair.kernel().face());
@@ -63,11 +64,11 @@ double FixPlanes::half_gap(double time) const {
     return 0.5 * motion_.initial_height * std::exp(motion_.segment.strain_at(time)) + motion_.seed_radius;
 }
 
-void FixPlanes::add_walls(double start, double interval, int first, std::vector<NearWall>& walls) const {
+void FixPlanes::add_walls(double start, double interval, int first, int count, std::vector<NearWall>& walls) const {
     const double from = half_gap(time() + start);
     const double velocity = (half_gap(time() + start + interval) - from) / interval;
     const PairKernel& kernel = LawPair::of(*lmp)->kernel();
-    for (int i = 0; i < atom->nlocal; ++i) {
+    for (int i = 0; i < count; ++i) {
         const double height = atom->x[i][2] - motion_.centre[2];
         const double reach = kernel.plane_reach(atom->radius[i]);
         if (from + height < reach) walls.push_back({i, first, {0, 0, 1}, from + height, -velocity});

@@ -41,10 +41,10 @@ class FixPlanes : public LAMMPS_NS::Fix {
     /// Sum of force times lever in the last step, this process' share [uN mm].
     double virial() const { return virial_; }
 
-    /// Those within reach of a particle of this process, for a kernel that finds the velocities; walls are numbered
+    /// Those within reach of the first `count` particles, ghosts follow those of this process; walls are numbered
     /// `first` (below) and `first` + 1.
     /// @param start, interval  as FlowSurroundings::walls()
-    void add_walls(double start, double interval, int first, std::vector<NearWall>& walls) const;
+    void add_walls(double start, double interval, int first, int count, std::vector<NearWall>& walls) const;
     /// Of the strain, at a time after the present step [1/s].
     double rate(double start) const { return motion_.segment.rate_at(time() + start); }
     /// What a uniform flow adds to the velocity of a particle that moves with it, over that velocity.

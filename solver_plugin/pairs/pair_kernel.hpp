@@ -22,9 +22,10 @@ struct WallContact {
     double other_force;  ///< of everything else on the particle, along the normal
     double time_step_over_mass;
     double normal[3];  ///< from the wall to the particle
+    int plane = -1;    ///< 0 and 1: the lower and the upper of the two planes; else another wall
 };
 
-/// A wall within reach of a particle, for a kernel that finds the velocities itself.
+/// A wall within reach of a particle, for a kernel that needs to know it before wall_force().
 struct NearWall {
     int particle;
     int wall;          ///< its number: a particle may be near several
@@ -43,7 +44,7 @@ struct FlowWork {
     std::int64_t evaluations() const { return geometries + corrections + forces + products + blocks; }
 };
 
-/// The simulation around a kernel that finds the velocities itself.
+/// The simulation around a kernel that needs more of it than its pairs.
 class FlowSurroundings {
  public:
     virtual ~FlowSurroundings() = default;
@@ -59,6 +60,8 @@ class FlowSurroundings {
     /// @param start     of the interval, in time after the present step [s]
     /// @param interval  to come [s]
     virtual std::vector<NearWall> walls(double start, double interval) const = 0;
+    /// The two planes alone (WallContact::plane is their number), likewise, ghosts' included; by particles.
+    virtual std::vector<NearWall> planes(double start, double interval) const = 0;
 };
 
 /// The forces of one law in one simulation: a call for all pairs of a step, never one for a pair.
@@ -89,7 +92,8 @@ class PairKernel {
     virtual void pair_forces(const ParticleView& particles, const NeighbourView& list, const ContactMemory* memory,
                              const UsePair& use) const = 0;
 
-    /// Force of a wall along its normal, repulsion positive [uN].
+    /// Force of a wall along its normal, repulsion positive [uN]. The caller adds it to the particle; what a wall does
+    /// to the neighbours through their flow is added by add_forces().
     virtual double wall_force(const WallContact& contact) const = 0;
     /// Distance from one of the two planes up to which a particle feels it.
     /// @param radius  of the particle's crown

@@ -14,6 +14,7 @@ struct ParticleView {
     int local_count;
     int count;                             ///< with ghosts
     const std::int32_t* object = nullptr;  ///< by id - 1; null: attraction does not look at objects
+    const double* mass = nullptr;          ///< of those of this process
 
     bool same_object(int i, int j) const { return object == nullptr || object[id[i] - 1] == object[id[j] - 1]; }
 };

@@ -520,19 +520,19 @@ void FlowForces::set_walls(const std::vector<NearWall>& walls, double rate) {
         const int type = type_[wall.particle];
         const double depth = wall.distance - d / 2;
         film_of_[wall.particle] = static_cast<std::int32_t>(films_.size());
-        const double stiffness = depth < 0 ? C::core_stiffness * d * law_.materials[type].strength : 0;
         Film film{};
         film.particle = wall.particle;
         for (int c = 0; c < 3; ++c) film.normal[c] = static_cast<float>(wall.normal[c]);
         film.velocity = static_cast<float>(wall.velocity);
         film.depth = static_cast<float>(depth);
         film.damping = film_damping(type);
-        film.stiffness = static_cast<float>(stiffness);
+        film.stiffness = film_stiffness(type, depth);
         films_.push_back(film);
     }
 }
 
-/// The film acts where the sample meets the face: on the velocity of the centre, extrapolated by the particle's own flow.
+/// The film acts where the sample meets the face: on the velocity of the centre, extrapolated by the particle's own
+/// flow.
 /// @param whole  with the walls' own velocities; else the change alone
 void FlowForces::add_films_to_states(const Four* velocity, bool whole) {
     for (Film& film : films_) {
@@ -550,7 +550,8 @@ void FlowForces::add_films_to_states(const Four* velocity, bool whole) {
 void FlowForces::add_films(const Four* velocity, bool whole) {
     for (const Film& film : films_) {
         const float approach = sum_of_three(velocity[film.particle] * film.normal) - (whole ? film.velocity : 0);
-        const float size = -film.damping * film.slip - film.stiffness * (interval_ * approach + (whole ? film.depth : 0));
+        const float size =
+            -film.damping * film.slip - film.stiffness * (interval_ * approach + (whole ? film.depth : 0));
         net_[film.particle] += with_fourth(size * film.normal, 0);
     }
 }
@@ -560,11 +561,62 @@ double FlowForces::wall_force(const WallContact& contact) const {
     const State& state = states_[static_cast<std::size_t>(contact.particle)];
     double stretch = 0;
     for (int c = 0; c < 3; ++c)
-        stretch += contact.normal[c] *
-                   (state.diagonal[c] * contact.normal[c] + state.off[c] * contact.normal[(c + 1) % 3]);
-    const double stiffness = depth < 0 ? C::core_stiffness * d * law_.materials[contact.type - 1].strength : 0;
+        stretch +=
+            contact.normal[c] * (state.diagonal[c] * contact.normal[c] + state.off[c] * contact.normal[(c + 1) % 3]);
     return -film_damping(contact.type - 1) * (contact.rate - depth * stretch) -
-           stiffness * (depth + interval_ * contact.rate);
+           film_stiffness(contact.type - 1, depth) * (depth + interval_ * contact.rate);
+}
+
+/// A neighbour's velocity along the normal counts in the slip with w_ij r . lever (r from the neighbour to the
+/// particle), the particle's own with 1 less their sum.
+void FlowForces::lay_films(const std::vector<NearWall>& planes, FilmBalance& films) {
+    films.clear();
+    levers_.clear();
+    film_of_.assign(static_cast<std::size_t>(count_), -1);
+    for (const NearWall& plane : planes) {
+        const int type = type_[plane.particle];
+        const double depth = plane.distance - law_.seed_diameter / 2;
+        if (film_of_[plane.particle] < 0) film_of_[plane.particle] = static_cast<std::int32_t>(levers_.size());
+        FilmBalance::Film film{plane.particle, plane.wall, {}, plane.velocity, film_damping(type), 0};
+        for (int c = 0; c < 3; ++c) film.normal[c] = static_cast<float>(plane.normal[c]);
+        film.repulsion = -film_stiffness(type, depth) * static_cast<float>(depth);
+        const Four* const inverse = fabrics_[plane.particle].inverse;
+        const Four arm = film.normal[0] * inverse[0] + film.normal[1] * inverse[1] + film.normal[2] * inverse[2];
+        levers_.push_back(with_fourth(static_cast<float>(depth) * arm, 0));
+        films.add(film);
+    }
+    const std::vector<FlowPairs::Row>& rows = pairs_.rows();
+    for (std::size_t row = 0; row + 1 < rows.size(); ++row)
+        for (std::uint32_t k = rows[row].begin; k < rows[row + 1].begin; ++k) {
+            const std::int32_t ends[2] = {rows[row].particle, pairs_.other()[k]};
+            for (int side = 0; side < 2; ++side) {
+                const std::int32_t first = film_of_[ends[side]];
+                if (first < 0) continue;
+                const float own_weight = side == 0 ? weight(k) : weight(k) - 2;
+                for (auto f = static_cast<std::size_t>(first);
+                     f < levers_.size() && films.films()[f].particle == ends[side]; ++f) {
+                    const float share = own_weight * sum_of_three(pairs_.apart()[k] * levers_[f]);
+                    films.add_share(static_cast<std::uint32_t>(f), ends[1 - side], share);
+                    levers_[f][3] += share;
+                }
+            }
+        }
+    for (std::size_t f = 0; f < levers_.size(); ++f)
+        films.add_share(static_cast<std::uint32_t>(f), films.films()[f].particle, -levers_[f][3]);
+}
+
+void FlowForces::add_to_tractions(const FilmBalance& films) {
+    for (std::size_t f = 0; f < levers_.size(); ++f) {
+        const FilmBalance::Film& film = films.films()[f];
+        for (int b = 0; b < 3; ++b)
+            states_[film.particle].traction[b] +=
+                with_fourth(static_cast<float>(films.film_force(f)) * levers_[f][b] * film.normal, 0);
+    }
+}
+
+/// Of the repulsion behind the face.
+float FlowForces::film_stiffness(int type, double depth) const {
+    return depth < 0 ? static_cast<float>(C::core_stiffness * law_.seed_diameter * law_.materials[type].strength) : 0;
 }
 
 void FlowForces::add_pair_forces(const Four* velocity) {
@@ -629,8 +681,8 @@ TOMODEM_TWO_PROCESSORS void FlowForces::add_block_parts(std::vector<Block>& bloc
     };
     const auto reached_along = [&](const Film& film, Four arm) __attribute__((always_inline)) {
         const Fabric& fabric = fabrics_[film.particle];
-        return sum_of_three(film.normal * (arm[0] * fabric.inverse[0] + arm[1] * fabric.inverse[1] +
-                                           arm[2] * fabric.inverse[2]));
+        return sum_of_three(film.normal *
+                            (arm[0] * fabric.inverse[0] + arm[1] * fabric.inverse[1] + arm[2] * fabric.inverse[2]));
     };
     /// @param share  of the slip in a particle's velocity along the normal
     const auto through_film = [](const Film& film, float share, Block& block) __attribute__((always_inline)) {

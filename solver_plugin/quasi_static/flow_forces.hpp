@@ -1,11 +1,11 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "core/law/norton_law.hpp"
 #include "solver_plugin/pairs/pair_kernel.hpp"
+#include "solver_plugin/quasi_static/film_balance.hpp"
 #include "solver_plugin/quasi_static/flow_pairs.hpp"
 #include "solver_plugin/quasi_static/four.hpp"
 
@@ -20,8 +20,7 @@ namespace tomodem::plugin {
 /// Vectors have a Four for every particle; ghosts follow those of this process.
 class FlowForces {
  public:
-    /// Brings each ghost `size` bytes from its owner; particle i has them at first + i * stride bytes. Collective.
-    using Carry = std::function<void(void* first, std::size_t stride, std::size_t size)>;
+    using Carry = FilmBalance::Carry;
 
     void set_law(const law::Norton& law) {
         law_ = law;
@@ -37,8 +36,10 @@ class FlowForces {
     void place(const ParticleView& particles, bool renumbered = true);
     /// How long the particles will move with the velocities that are sought [s].
     void set_interval(double interval) { interval_ = static_cast<float>(interval); }
+    /// Of the load, which the film between sample and wall goes by [1/s].
+    void set_rate(double rate) { rate_ = rate; }
     /// The walls near the particles.
-    /// @param rate  of the load, which the film between sample and wall goes by [1/s]
+    /// @param rate  as set_rate()
     void set_walls(const std::vector<NearWall>& walls, double rate);
     /// What goes by the flow but is not found anew with every velocity: the weights of pairs of two phases, and what is
     /// taken from the tractions (docs/norton.md).
@@ -73,6 +74,12 @@ class FlowForces {
     Four virial() const { return virial_; }
     /// Of a wall on a particle along its normal, in the last find(), repulsion positive [uN].
     double wall_force(const WallContact& contact) const;
+    /// The films at the planes for an explicit step, which finds their forces itself: set_walls() knows nothing of
+    /// them. After find_corrected(), by whose weights the flow at the face is seen.
+    /// @param planes  FlowSurroundings::planes()
+    void lay_films(const std::vector<NearWall>& planes, FilmBalance& films);
+    /// Of films that are solved: their part of the pairs' forces, for for_each_force() alone.
+    void add_to_tractions(const FilmBalance& films);
     /// Of the film at a wall and of the repulsion behind its face, together [uN.s/mm]; by the walls' order.
     double wall_stiffness(std::size_t wall) const { return films_[wall].damping + interval_ * films_[wall].stiffness; }
     /// Of the last find().
@@ -138,6 +145,7 @@ class FlowForces {
     void add_films_to_states(const Four* velocity, bool whole);
     void add_films(const Four* velocity, bool whole);
     float film_damping(int type) const;
+    float film_stiffness(int type, double depth) const;
     void add_pair_forces(const Four* velocity);
     float background(const Fabric& fabric) const;
     /// Of pair k's particle in the flow; its neighbour's is 2 less that.
@@ -159,7 +167,7 @@ class FlowForces {
     std::vector<float> damping_;  ///< of each pair [uN.s/mm]
     std::vector<float> weights_;  ///< of each pair; empty where there is one material
     std::vector<Film> films_;
-    std::vector<std::int32_t> film_of_;  ///< of each particle, or -1: the last one
+    std::vector<std::int32_t> film_of_;  ///< a film of each particle, or -1
     double rate_ = 0;                    ///< of the load now [1/s]
     /// Of each particle: columns of what is taken from its traction.
     struct Correction {
@@ -167,6 +175,7 @@ class FlowForces {
     };
     std::vector<Correction> corrections_;
     std::vector<Push> pushes_;
+    std::vector<Four> levers_;  ///< of the films of an explicit step; fourths: sum of the neighbours' shares
     std::vector<Fabric> fabrics_;
     std::vector<Sums> sums_;
     std::vector<State> states_;

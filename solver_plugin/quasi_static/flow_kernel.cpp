@@ -5,6 +5,16 @@
 
 namespace tomodem::plugin {
 
+FlowKernel::FlowKernel() {
+    forces_.set_carry([this](void* first, std::size_t stride, std::size_t size) { carry(first, stride, size); });
+}
+
+/// By the highest rate of the load, a sample would slip where it flows slowly and M is small.
+double FlowKernel::film_rate(double start) const {
+    const double rate = law().at_rest ? 0 : surroundings().rate(start);
+    return rate == 0 ? law().flow_rate : rate;
+}
+
 void FlowKernel::carry(void* first, std::size_t stride, std::size_t size) {
     first_ = static_cast<char*>(first);
     stride_ = stride;

@@ -62,17 +62,9 @@ Four times(const FlowForces::Block& block, Four v) {
 
 }  // namespace
 
-NortonFlow::NortonFlow() {
-    forces_.set_carry([this](void* first, std::size_t stride, std::size_t size) { carry(first, stride, size); });
-}
-
 void NortonFlow::set_law(const law::Norton& law, double imbalance) {
     forces_.set_law(law);
     imbalance_ = imbalance;
-}
-
-double NortonFlow::plane_reach(double) const {
-    return (0.5 + C::film_range) * law().seed_diameter;
 }
 
 /// The velocities that the particles have brought along: where the search begins.
@@ -231,9 +223,7 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
             jump_[i - local_count_][c] = static_cast<float>(particles.velocity[3 * i + c]) - velocity_[i][c];
     grid_.lay(particles.position, local_count_, cell * law().seed_diameter, surroundings());
 
-    // By the highest rate of the load, a sample would slip where it flows slowly and M is small.
-    double rate = law().at_rest ? 0 : surroundings().rate(step.start);
-    if (rate == 0) rate = law().flow_rate;
+    const double rate = film_rate(step.start);
     bool corrected = false;
     interval_ = step.start < 0 ? -step.start : step.time_step;
     for (;; interval_ /= 2) {
@@ -278,10 +268,6 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
 void NortonFlow::pair_forces(const ParticleView&, const NeighbourView&, const ContactMemory*,
                              const UsePair& use) const {
     forces_.for_each_force(velocity_.data(), use);
-}
-
-double NortonFlow::seed_energy(const ParticleView&, const NeighbourView&) const {
-    return forces_.core_energy();
 }
 
 }  // namespace tomodem::plugin

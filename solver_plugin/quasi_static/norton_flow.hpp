@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "solver_plugin/quasi_static/coarse_grid.hpp"
-#include "solver_plugin/quasi_static/flow_forces.hpp"
 #include "solver_plugin/quasi_static/flow_kernel.hpp"
 #include "solver_plugin/quasi_static/rigid_motion.hpp"
 
@@ -14,8 +13,6 @@ namespace tomodem::plugin {
 /// with lagged viscosities (docs/norton.md).
 class NortonFlow final : public FlowKernel {
  public:
-    NortonFlow();
-
     /// @param imbalance  norm of the net forces over that of the viscous forces on the particles: below it a step is
     ///                   solved
     void set_law(const law::Norton& law, double imbalance);
@@ -29,12 +26,8 @@ class NortonFlow final : public FlowKernel {
     void pair_forces(const ParticleView& particles, const NeighbourView& list, const ContactMemory* memory,
                      const UsePair& use) const override;
     double wall_force(const WallContact& contact) const override { return forces_.wall_force(contact); }
-    double plane_reach(double radius) const override;
-    double face() const override { return law().seed_diameter / 2; }
-    double seed_energy(const ParticleView& particles, const NeighbourView& list) const override;
 
  private:
-    const law::Norton& law() const { return forces_.law(); }
     void take(const ParticleView& particles);
     void find_velocities();
     bool balance();
@@ -44,7 +37,6 @@ class NortonFlow final : public FlowKernel {
     void prepare();
     double precondition(double& along);
 
-    FlowForces forces_;
     CoarseGrid grid_;
     RigidMotion rigid_;
     double imbalance_ = 1e-2;

@@ -1,12 +1,13 @@
 #pragma once
 #include <vector>
 
-#include "solver_plugin/quasi_static/flow_forces.hpp"
+#include "solver_plugin/quasi_static/film_balance.hpp"
 #include "solver_plugin/quasi_static/flow_kernel.hpp"
 
 namespace tomodem::plugin {
 
-/// Law NORTON in explicit steps: the forces with the velocities that the particles have (docs/norton.md).
+/// Law NORTON in explicit steps: the forces with the velocities that the particles have; those of the films at the
+/// planes with the velocities at the end of the step (docs/norton.md).
 class NortonSteps final : public FlowKernel {
  public:
     NortonSteps();
@@ -21,11 +22,11 @@ class NortonSteps final : public FlowKernel {
     void pair_forces(const ParticleView& particles, const NeighbourView& list, const ContactMemory* memory,
                      const UsePair& use) const override;
     double wall_force(const WallContact& contact) const override;
-    double face() const override { return forces_.law().seed_diameter / 2; }
-    double seed_energy(const ParticleView& particles, const NeighbourView& list) const override;
 
  private:
-    FlowForces forces_;
+    void balance_films(const ParticleView& particles, double time_step);
+
+    FilmBalance films_;
     std::vector<Four> velocity_;  ///< of the last step, ghosts included
 };
 

@@ -5,16 +5,10 @@
 #include <random>
 #include <vector>
 
+#include "tests/unit/quasi_static/one_process.hpp"
+
 namespace tomodem::plugin {
 namespace {
-
-struct OneProcess final : FlowSurroundings {
-    void add_up(double*, std::size_t) const override {}
-    void take_largest(double*, std::size_t) const override {}
-    double rate(double) const override { return 0; }
-    bool can_turn() const override { return true; }
-    std::vector<NearWall> walls(double, double) const override { return {}; }
-};
 
 constexpr double edge = 8;
 
@@ -47,8 +41,8 @@ TEST(CoarseGrid, FindsTheUniformStretchBetweenTwoWalls) {
         walls.push_back({i, 0, {0, 0, side}, 0, 0});
         force[i][2] = static_cast<float>(-stiffness * side);  // of a wall that moves by 1 outwards
     }
-    grid.fill(std::vector<CoarseGrid::Material>(count, {1, 0}), walls, 0,
-              std::vector<double>(walls.size(), stiffness), surroundings);
+    grid.fill(std::vector<CoarseGrid::Material>(count, {1, 0}), walls, 0, std::vector<double>(walls.size(), stiffness),
+              surroundings);
     std::vector<double> nodes(static_cast<std::size_t>(grid.size()), 0.0);
     grid.gather(force.data(), nodes.data());
     grid.solve(nodes.data());

@@ -209,7 +209,10 @@ TEST(Norton, QuasiStaticStepsAreThoseOfOneProcess) {
 
 TEST(Norton, QuasiStaticStepsHaveTheStressOfTheExplicitOnes) {
     const Packing packing = at_rest(sample(), "");
-    const auto force_at_strain = [&](const Model& model, double time_step, double strain, double window) {
+    struct Found {
+        double force, virial;
+    };
+    const auto at_strain = [&](const Model& model, double time_step, double strain, double window) {
         Simulation simulation(packing, model, 2, MPI_COMM_WORLD);
         simulation.place_planes();
         simulation.set_loading({.rate = {-1e-3}, .time_step = time_step});
@@ -217,12 +220,14 @@ TEST(Norton, QuasiStaticStepsHaveTheStressOfTheExplicitOnes) {
         simulation.take_forces();
         simulation.run(std::llround(window / 1e-3 / time_step));
         const plugin::PlaneForces forces = simulation.take_forces();
-        return (forces.top + forces.bottom) / 2;
+        return Found{(forces.top + forces.bottom) / 2, simulation.axial_virial()};
     };
     const Model explicit_steps = model_of(packing, "");
-    const double reference = force_at_strain(explicit_steps, explicit_steps.time_step, 0.08, 0.016);
-    const double found = force_at_strain(quasi_static(packing, "", 4e-3, 1e-2), 4, 0.08, 0.016);
-    EXPECT_NEAR(found, reference, 0.01 * std::abs(reference));
+    const Found reference = at_strain(explicit_steps, explicit_steps.time_step, 0.08, 0.016);
+    const Found found = at_strain(quasi_static(packing, "", 4e-3, 1e-2), 4, 0.08, 0.016);
+    // The planes also accelerate the masses of the explicit scheme: that is the most of it.
+    EXPECT_NEAR(found.force, reference.force, 0.01 * std::abs(reference.force));
+    EXPECT_NEAR(found.virial, reference.virial, 0.005 * std::abs(reference.virial));
 }
 
 TEST(Norton, TheVelocitiesToBeFoundAreGuessedFromThoseOfTheRateBefore) {
