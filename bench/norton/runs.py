@@ -33,24 +33,30 @@ class Load:
     frames: int = 10
     accuracy: str = ""
     walls: str = ""
+    particle_stress: bool = False
 
     def scene(self, phases):
         steps = ", ".join(f"{{ strain = {strain:g}, rate = {rate:g} }}" for strain, rate in self.steps)
         return (f'{phases}{self.walls}[load]\nsteps = [ {steps} ]\nlateral = "{self.lateral}"\n'
+                f'[output]\nstress = {str(self.particle_stress).lower()}\n'
                 f'[accuracy]\nscheme = "{self.scheme}"\nframes = {self.frames}\n{self.accuracy}')
 
 
 class Run:
     """The curves of a load, positive along it: `strain`, `stress["planes"]` and, where the run has it, `stress["virial"]`,
-    true stresses in MPa. `stopped` is the message of a run that a guard ended; it has its curves up to there."""
+    true stresses in MPa. `stopped` is the message of a run that a guard ended; it has its curves up to there, and no file
+    if that was at its first point."""
 
     def __init__(self, file, summary):
         self.file, self.summary, self.stopped = file, summary, summary.get("stopped")
+        if not file.exists():  # stopped before its first point
+            self.strain, self.stress, self.evaluations = np.zeros(1), {"planes": np.array([np.nan])}, None
+            return
         with h5py.File(file) as run:
             get = lambda key: run[f"observables/{key}/value"][:]
-            self.direction = np.sign(get("strain")[-1])
-            self.strain = self.direction * get("strain")
-            self.stress = {kind: self.direction * get(key) / 1e6 for kind, key in STRESSES.items()
+            direction = np.sign(get("strain")[-1])
+            self.strain = direction * get("strain")
+            self.stress = {kind: direction * get(key) / 1e6 for kind, key in STRESSES.items()
                            if key in run["observables"]}
             self.evaluations = np.cumsum(get("evaluations")) if "evaluations" in run["observables"] else None
 
@@ -61,14 +67,28 @@ class Run:
             return np.nan
         return float((np.interp(points, self.strain, self.stress[kind]) * scale(points)).mean())
 
-    def neck(self, strain):
-        """Smallest section over the mean one at the first frame at or after a strain, in eight slabs of the height between
-        a tenth and nine tenths of it; a section is counted by its particles. NaN beyond the end of the run."""
+    def box_volume(self, strain):
+        """Change of the volume between planes and periodic sides at a strain; NaN beyond the end of the run."""
         with h5py.File(self.file) as run:
-            of_frames = np.interp(run["particles/all/position/time"][:], run["observables/strain/time"][:], self.strain)
-            if of_frames[-1] < strain - 1e-9:
-                return np.nan
-            along = run["particles/all/position/value"][np.argmax(of_frames >= strain - 1e-9)][:, 2]
+            section = run["observables/section/value"][:]
+            height = np.exp(run["observables/strain/value"][:])
+        return float(np.interp(strain, self.strain, section / section[0] * height, right=np.nan) - 1)
+
+    def deviator(self):
+        """Strain and stress along z less the mean one across [MPa], from the stresses of the particles, of every frame but
+        the first."""
+        with h5py.File(self.file) as run:
+            sums = run["particles/all/stress/value"][1:].mean(axis=1) / 1e6
+            strain = np.interp(run["particles/all/position/time"][1:], run["observables/strain/time"][:], self.strain)
+        return strain, np.abs(sums[:, 2] - (sums[:, 0] + sums[:, 1]) / 2)
+
+    def neck(self, strain):
+        """Smallest section over the mean one in the first frame at or after a strain (or the last), in eight slabs of the height between
+        a tenth and nine tenths of it; a section is counted by its particles. NaN beyond the end of the run."""
+        if self.strain[-1] < strain - 1e-9:
+            return np.nan
+        with h5py.File(self.file) as run:
+            along = run["particles/all/position/value"][samples.frame_at(run, strain)][:, 2]
         counts, _ = np.histogram((along - along.min()) / np.ptp(along), bins=8, range=(0.1, 0.9))
         return float(counts.min() / counts.mean())
 
@@ -94,7 +114,8 @@ class Bench:
         made_from = digest.hexdigest()
         if summary.exists() and json.loads(summary.read_text()).get("made_from") == made_from:
             return json.loads(summary.read_text())
-        summary.unlink(missing_ok=True)
+        for stale in (summary, output):
+            stale.unlink(missing_ok=True)
         mpi = ["mpirun", "--oversubscribe", "-n", str(processes)] if processes > 1 else []
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         ended = subprocess.run([*mpi, executable, *inputs, output, *map(str, words), "--quiet", "--json", summary],
@@ -102,10 +123,11 @@ class Bench:
                                    "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"})
         facts = {"made_from": made_from, "user_seconds": resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before}
         if ended.returncode != 0:
-            partial = output.with_name(output.name + ".partial")
-            if tool != "solve" or not partial.exists():
+            if tool != "solve" or "at strain" not in ended.stderr:
                 raise SystemExit(f"{tool} failed at {output}:\n{ended.stderr}")
-            partial.replace(output)
+            partial = output.with_name(output.name + ".partial")
+            if partial.exists():
+                partial.replace(output)
             facts["stopped"] = ended.stderr.strip().splitlines()[-1]
         else:
             facts |= json.loads(summary.read_text())
@@ -142,15 +164,16 @@ class Bench:
         return run
 
     def volume(self, run, strain):
-        """Change of the volume of a run's alpha shape at a strain, over that at the start; NaN beyond the run's end."""
+        """Change of a run's volume at a strain, over that at the start: of the alpha shape, in which a surface that gets
+        smooth counts, and inside the material. NaN beyond the run's end."""
         if run.strain[-1] < strain - 1e-9:
-            return np.nan
+            return np.nan, np.nan
         table = run.file.with_suffix(".volume.csv")
         if not table.exists() or table.stat().st_mtime < run.file.stat().st_mtime:
             subprocess.run([self.tools / "volume_change", run.file, table, "--quiet"], check=True)
         with open(table) as file:
             rows = [(float(row["abs_strain [-]"]), float(row["volume_change [-]"])) for row in csv.DictReader(file)]
-        return float(np.interp(strain, *zip(*rows)))
+        return float(np.interp(strain, *zip(*rows))), samples.volume_inside(run.file, strain)
 
     def keep(self, key, values):
         """A figure of several packings, for the JSON file. @return the values"""

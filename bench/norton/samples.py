@@ -4,6 +4,7 @@ import math
 
 import h5py
 import numpy as np
+from scipy.spatial import ConvexHull, Voronoi
 
 PHASES = {"A": (120.0, 3.05e-2), "B": (5020.0, 0.490)}  # K [MPa.s^M], M of the finite-element reference
 INCLUSION = 0.20  # volume of phase B over that of the cube
@@ -28,6 +29,8 @@ def label(brick, case, share=None):
 def shapes(run):
     """Strain (positive along the load) and S_f of phase B over that at the start, of every frame of a run. S_f is the
     semi-axis along the load over the mean of the others, from the inertia of the centres of the particles."""
+    if not run.exists():  # it stopped before its first point
+        return np.full(1, np.nan), np.full(1, np.nan)
     with h5py.File(run) as file:
         group, curve = file["particles/all"], file["observables/strain"]
         of_b = group["species"][:] == 2
@@ -44,6 +47,33 @@ def shape(run, at):
     """S_f at a strain of a run, over that at the start; NaN beyond the run's end."""
     strain, factors = shapes(run)
     return float(np.exp(np.interp(at, strain, np.log(factors)))) if strain[-1] > at - 1e-6 else math.nan
+
+
+def frame_at(file, strain):
+    """Index of the first frame of an open run at or after a strain (positive along the load), or of the last frame."""
+    curve = file["observables/strain"]
+    of_frames = np.abs(np.interp(file["particles/all/position/time"][:], curve["time"][:], curve["value"][:]))
+    return int(np.searchsorted(of_frames[:-1], strain - 1e-9))
+
+
+def volume_inside(run, strain, depth=4, most=2000):
+    """Change of volume inside a run's material at a strain, over that at the start: of the mean Voronoi cell of particles
+    that are more than `depth` seed radii inside the convex hull in both frames. The surface has no part in it."""
+    with h5py.File(run) as file:
+        frames, radius = file["particles/all/position/value"], file["particles/all"].attrs["seed_radius"]
+        both = frames[0], frames[frame_at(file, strain)]
+    inside = np.full(len(both[0]), True)
+    for points in both:
+        planes = ConvexHull(points).equations
+        for normal_and_offset in planes:
+            inside &= points @ normal_and_offset[:3] + normal_and_offset[3] < -depth * radius
+    chosen = np.flatnonzero(inside)
+    chosen = chosen[:: len(chosen) // most + 1]
+    volumes = []
+    for points in both:
+        cells = Voronoi(points)
+        volumes.append(sum(ConvexHull(cells.vertices[cells.regions[cells.point_region[k]]]).volume for k in chosen))
+    return volumes[1] / volumes[0] - 1 if len(chosen) else math.nan
 
 
 def spheroid(contrast, strain, share=0.0):

@@ -3,14 +3,15 @@
 beside K rate^M.
 
 usage: tables.py BIN --folder FOLDER [--scheme quasi_static] [--samples 2000x3 10000x3 50000x1]
-                 [--exponents 0.03 0.1 0.3 0.5 0.75 1] [--parts one fit jump uniform plane]
+                 [--exponents 0.03 0.1 0.3 0.5 0.75 1] [--parts one fit jump uniform isochoric plane]
 
 Samples of D = 0.64 are packed, relaxed under the law and loaded at 1e-3 /s by the executables in BIN. A stress at a strain
 is the mean over 0.02 on each side.
 `one`      compression and tension to 0.5 between two planes, sides free; bounds in tension hold before the sample necks.
 `fit`      M from the stress at four rates with the elastic constants of the fastest (reference_rate), smallest samples.
 `jump`     the rate changes at strain 0.2; stress after it over that of a run at the new rate all along, smallest samples.
-`uniform`  sides periodic: no surface.
+`uniform`  sides periodic, without stress: no surface there. Their stress is over the current volume of the box.
+`isochoric` sides periodic at constant volume; stress along the load less that across, over the constant volume.
 `plane`    two walls at rest hold the sides across x: plane strain, where the stress is (2/sqrt(3))^(1+M) K rate^M.
 Prints the tables; writes tables.md, tables.json and curves.png in FOLDER. Runs stay there and are not done again as long as
 executables and scenes stay the same.
@@ -29,7 +30,7 @@ CLAIMED = STRAINS[1:]
 NECK = 0.95  # a sample in tension has begun to neck where its smallest section is below that share of the mean one
 LOADS = {"compression": -1, "tension": 1}
 
-parser = arguments(__doc__, ["one", "fit", "jump", "uniform", "plane"], [(2000, 3), (10000, 3), (50000, 1)])
+parser = arguments(__doc__, ["one", "fit", "jump", "uniform", "isochoric", "plane"], [(2000, 3), (10000, 3), (50000, 1)])
 parser.add_argument("--exponents", type=float, nargs="+", default=[0.03, 0.1, 0.3, 0.5, 0.75, 1.0], metavar="M")
 parser.add_argument("--rates", type=float, nargs="+", default=[1e-3, 1e-4, 1e-5, 1e-6], help="of part fit, fastest first")
 parser.add_argument("--jumps", type=float, nargs="+", default=[10, 0.1, 1000, 0.001], help="of part jump, rate over rate")
@@ -58,10 +59,17 @@ def stress_rows(title, key, cases, flow_stress, limits):
     """A table of the stresses of runs over flow_stress(M). `cases` gives (particles, M, load, runs); `limits` the bound of
     each load's claim. @return stresses by (particles, M, load, kind, strain), one a packing"""
     found = {}
-    bench.table(title, "particles", "M", "load", "stress of", *(f"at {strain:g}" for strain in STRAINS), "volume at 0.5",
-                "smallest section over the mean at 0.3, 0.5", "evaluations to 0.3", "user CPU [s]")
+    volume = "box" if key == "uniform" else "alpha shape; inside"
+    bench.table(title, "particles", "M", "load", "stress of", *(f"at {strain:g}" for strain in STRAINS),
+                f"volume at 0.5: {volume}", "smallest section over the mean at 0.3, 0.5", "evaluations to 0.3", "user CPU [s]")
     for size, exponent, direction, runs in cases:
         necks = {strain: np.mean([run.neck(strain) for run in runs]) for strain in STRAINS}
+        volumes = {"box": [run.box_volume(0.5) for run in runs]} if key == "uniform" else dict(
+            zip(("alpha shape", "inside"), np.transpose([bench.volume(run, 0.5) for run in runs])))
+        for name, values in volumes.items():
+            bench.keep(f"{key} {size} {exponent:g} {direction} volume, {name}", values)
+            bench.claim(f"{key}: volume, {name}, {direction}", 0.01 if direction == "compression" else 0.02,
+                        f"{size}, M = {exponent:g}", np.mean(values))
         for kind in runs[0].stress:
             for strain in STRAINS:
                 ratio = [run.at(strain, kind) / flow_stress(exponent) for run in runs]
@@ -70,16 +78,10 @@ def stress_rows(title, key, cases, flow_stress, limits):
                 if strain in CLAIMED and (direction == "compression" or necks[strain] > NECK):
                     bench.claim(f"{key}: stress of {kind}, {direction}", limits[direction],
                                 f"{size}, M = {exponent:g}, strain {strain:g}", np.mean(ratio) - 1)
-            # The volume inside periodic sides has no alpha shape of its own.
-            volumes = [bench.volume(run, 0.5) if key != "uniform" else np.nan for run in runs]
-            bench.keep(f"{key} {size} {exponent:g} {direction} volume", volumes)
             bench.row(size, f"{exponent:g}", direction, kind,
-                      *(pm(found[size, exponent, direction, kind, strain]) for strain in STRAINS), percent(volumes),
-                      f"{necks[0.3]:.2f}, {necks[0.5]:.2f}", pm([run.evaluations_to(0.3) for run in runs], ".0f"),
-                      pm([run.summary["user_seconds"] for run in runs], ".1f"))
-        if key == "one":
-            bench.claim(f"one: volume, {direction}", 0.01 if direction == "compression" else 0.02,
-                        f"{size}, M = {exponent:g}", np.mean(volumes))
+                      *(pm(found[size, exponent, direction, kind, strain]) for strain in STRAINS),
+                      "; ".join(percent(values) for values in volumes.values()), f"{necks[0.3]:.2f}, {necks[0.5]:.2f}",
+                      pm([run.evaluations_to(0.3) for run in runs], ".0f"), pm([run.summary["user_seconds"] for run in runs], ".1f"))
     return found
 
 
@@ -170,11 +172,13 @@ def jump():
                 *(f"{more:g} later" for more in after))
     for factor in options.jumps:
         old, end = RATE / factor, at + after[-1] + 0.01
-        constants = accuracy + f"reference_rate = {max(RATE, old):g}\n"
+        fast = max(RATE, old)
+        constants = accuracy + f"reference_rate = {fast:g}\n"
         for exponent in options.exponents:
-            pairs = [[bench.run(rest(size, p, exponent), material(exponent), f"{name}-{factor:g}",
+            pairs = [[bench.run(rest(size, p, exponent), material(exponent), name,
                                 Load(steps, options.scheme, accuracy=constants))
-                      for name, steps in (("jump", ((-at, old), (-end, RATE))), ("steady", ((-end, RATE),)))]
+                      for name, steps in ((f"jump-{factor:g}", ((-at, old), (-end, RATE))),
+                                          (f"steady-{fast:g}", ((-end, RATE),)))]
                      for p in packings(count)]
             for kind in pairs[0][0].stress:
                 ratio = {more: bench.keep(f"jump {factor:g} {exponent:g} {kind} {more:g}",
@@ -197,6 +201,24 @@ def uniform():
 
     stress_rows("Uniform flow, sides periodic without stress: stress over K rate^M", "uniform", cases(),
                 lambda exponent: K * RATE**exponent, {direction: 0.005 for direction in LOADS})
+
+
+def isochoric():
+    bench.table("Uniform flow at constant volume: stress along the load less that across, over K rate^M", "particles", "M",
+                "load", *(f"at {strain:g}" for strain in STRAINS))
+    for size, count in options.samples:
+        for exponent in options.exponents:
+            for direction, sign in LOADS.items():
+                curves = [bench.run(rest(size, p, exponent, "isochoric"), material(exponent), direction,
+                                    load(sign, lateral="isochoric", frames=52, particle_stress=True)).deviator()
+                          for p in packings(count)]
+                found = {strain: bench.keep(f"isochoric {size} {exponent:g} {direction} {strain:g}",
+                                            [np.interp(strain, *curve, right=np.nan) / (K * RATE**exponent) for curve in curves])
+                         for strain in STRAINS}
+                bench.row(size, f"{exponent:g}", direction, *(pm(found[strain]) for strain in STRAINS))
+                for strain in CLAIMED:
+                    bench.claim(f"isochoric: stress, {direction}", 0.005, f"{size}, M = {exponent:g}, strain {strain:g}",
+                                np.mean(found[strain]) - 1)
 
 
 def plane():
@@ -232,5 +254,5 @@ def side_walls(sample):
 
 
 for part in options.parts:
-    {"one": one, "fit": fit, "jump": jump, "uniform": uniform, "plane": plane}[part]()
+    {"one": one, "fit": fit, "jump": jump, "uniform": uniform, "isochoric": isochoric, "plane": plane}[part]()
 bench.write("tables")
