@@ -89,7 +89,8 @@ class Run:
             return np.nan
         with h5py.File(self.file) as run:
             along = run["particles/all/position/value"][samples.frame_at(run, strain)][:, 2]
-        counts, _ = np.histogram((along - along.min()) / np.ptp(along), bins=8, range=(0.1, 0.9))
+        height = (along - along.min()) / np.ptp(along)
+        counts, _ = np.histogram(height, bins=8, range=(0.1, 0.9))
         return float(counts.min() / counts.mean())
 
     def evaluations_to(self, strain):

@@ -81,7 +81,8 @@ def stress_rows(title, key, cases, flow_stress, limits):
             bench.row(size, f"{exponent:g}", direction, kind,
                       *(pm(found[size, exponent, direction, kind, strain]) for strain in STRAINS),
                       "; ".join(percent(values) for values in volumes.values()), f"{necks[0.3]:.2f}, {necks[0.5]:.2f}",
-                      pm([run.evaluations_to(0.3) for run in runs], ".0f"), pm([run.summary["user_seconds"] for run in runs], ".1f"))
+                      pm([run.evaluations_to(0.3) for run in runs], ".0f"),
+                      pm([run.summary["user_seconds"] for run in runs], ".1f"))
     return found
 
 
@@ -213,8 +214,8 @@ def isochoric():
                                     load(sign, lateral="isochoric", frames=52, particle_stress=True)).deviator()
                           for p in packings(count)]
                 found = {strain: bench.keep(f"isochoric {size} {exponent:g} {direction} {strain:g}",
-                                            [np.interp(strain, *curve, right=np.nan) / (K * RATE**exponent) for curve in curves])
-                         for strain in STRAINS}
+                                            [np.interp(strain, *curve, right=np.nan) / (K * RATE**exponent)
+                                             for curve in curves]) for strain in STRAINS}
                 bench.row(size, f"{exponent:g}", direction, *(pm(found[strain]) for strain in STRAINS))
                 for strain in CLAIMED:
                     bench.claim(f"isochoric: stress, {direction}", 0.005, f"{size}, M = {exponent:g}, strain {strain:g}",
