@@ -40,7 +40,7 @@ tests: $(BUILD)/.installed-debian $(BUILD)/.installed-debian-test
 	$(call configure,-DBUILD_TESTING=ON)
 	cmake --build $(BUILD) -j $(JOBS) --target all tests
 
-benches: $(BUILD)/.installed-debian
+benches: $(BUILD)/.installed-debian $(BUILD)/.installed-debian-test
 	$(call configure,-DTOMODEM_BENCH=ON)
 	cmake --build $(BUILD) -j $(JOBS) --target all benches
 

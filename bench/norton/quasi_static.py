@@ -157,7 +157,7 @@ def count():
                 with h5py.File(load["file"]) as file:
                     hardest.append(file["observables/evaluations/value"][:].max())
             stress = [load["end"] / (1 if case else K * RATE**exponent) for load in loads]
-            form = [samples.shape(load["file"], options.strain, STRAIN) for load in loads] if case else None
+            form = [samples.shape(load["file"], STRAIN) for load in loads] if case else None
             row(case or f"M = {exponent:g}", str(size), pm(counts, ".0f"), f"{len(loads[0]['strain']) - 1}", pm(hardest, ".0f"),
                 pm([1e9 * load["user_seconds"] / load["evaluations"] / size for load in loads], ".0f"),
                 pm([rest["evaluations"] for _, rest, _ in all_runs], ".0f"),

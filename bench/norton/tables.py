@@ -1,245 +1,259 @@
 #!/usr/bin/python3
-"""What law NORTON does: exponent, flow stress, tension, volume, time step, jump of the rate, several processes, and two
-phases beside the finite elements.
+"""What law NORTON does with one phase: stress, volume, exponent, jumps of the rate, uniform flow and plane strain, each
+beside K rate^M.
 
-usage: tables.py BIN [--folder norton_tables] [--packings 3] [--particles 2000] [--parts one jump step two]
-                 [--exponents ...] [--fem FOLDER] [--laws norton bilin]
+usage: tables.py BIN --folder FOLDER [--scheme quasi_static] [--samples 2000x3 10000x3 50000x1]
+                 [--exponents 0.03 0.1 0.3 0.5 0.75 1] [--parts one fit jump uniform isochoric plane]
 
-Samples of D = 0.64 are packed, relaxed under the law and pressed or pulled by the executables in BIN. `one`: the three
-rates 1e-3, 1e-4, 1e-5 /s share reference_rate = 1e-3, that is all constants but mass and time step. A finished run
-stays in the folder and is not done again. Prints tables, writes tables.md, tables.json and curves.png.
+Samples of D = 0.64 are packed, relaxed under the law and loaded at 1e-3 /s by the executables in BIN. A stress at a strain
+is the mean over 0.02 on each side.
+`one`      compression and tension to 0.5 between two planes, sides free; bounds in tension hold before the sample necks.
+`fit`      M from the stress at four rates with the elastic constants of the fastest (reference_rate), smallest samples.
+`jump`     the rate changes at strain 0.2; stress after it over that of a run at the new rate all along, smallest samples.
+`uniform`  sides periodic, without stress: no surface there. Their stress is over the current volume of the box.
+`isochoric` sides periodic at constant volume; stress along the load less that across, over the constant volume.
+`plane`    two walls at rest hold the sides across x: plane strain, where the stress is (2/sqrt(3))^(1+M) K rate^M.
+Prints the tables; writes tables.md, tables.json and curves.png in FOLDER. Runs stay there and are not done again as long as
+executables and scenes stay the same.
 """
-import argparse
-import csv
-import json
-import math
-import os
-import pathlib
-import shutil
-import subprocess
-
 import h5py
 import numpy as np
 
-import samples
-from samples import PHASES, phase
+from runs import Bench, Load, arguments, percent, pm
+from samples import phase
 
-RATES = [1e-3, 1e-4, 1e-5]
-K = 100.0  # MPa.s^M of the single phase
-WINDOW = 0.05  # of strain, each side
+K = 100.0  # MPa.s^M
+RATE = 1e-3
+STRAINS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5)
+END = 0.52  # the last strain and half a window
+CLAIMED = STRAINS[1:]
+NECK = 0.95  # a sample in tension has begun to neck where its smallest section is below that share of the mean one
+LOADS = {"compression": -1, "tension": 1}
 
-parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("bin", type=pathlib.Path)
-parser.add_argument("--folder", type=pathlib.Path, default=pathlib.Path("norton_tables"))
-parser.add_argument("--packings", type=int, default=3)
-parser.add_argument("--particles", type=int, default=2000)
-parser.add_argument("--parts", nargs="+", default=["one", "jump", "step", "two"])
-parser.add_argument("--exponents", type=float, nargs="+", default=[0.1, 0.25, 0.5, 0.75, 1.0])
-parser.add_argument("--rates", type=float, nargs="+", default=RATES)
-parser.add_argument("--two-rates", type=float, nargs="+", default=[1e-4, 1e-3])
-parser.add_argument("--laws", nargs="+", default=["norton"], choices=["norton", "bilin"], help="of part two")
-parser.add_argument("--fem", type=pathlib.Path)
+parser = arguments(__doc__, ["one", "fit", "jump", "uniform", "isochoric", "plane"], [(2000, 3), (10000, 3), (50000, 1)])
+parser.add_argument("--exponents", type=float, nargs="+", default=[0.03, 0.1, 0.3, 0.5, 0.75, 1.0], metavar="M")
+parser.add_argument("--rates", type=float, nargs="+", default=[1e-3, 1e-4, 1e-5, 1e-6], help="of part fit, fastest first")
+parser.add_argument("--jumps", type=float, nargs="+", default=[10, 0.1, 1000, 0.001], help="of part jump, rate over rate")
 options = parser.parse_args()
-tools = options.bin.resolve()
-options.folder.mkdir(parents=True, exist_ok=True)
-packings = range(1, options.packings + 1)
-size = options.particles
-numbers, lines = {}, []
+bench = Bench(options.bin, options.folder, options.scheme)
+small = min(options.samples)
 
 
-def tool(name, *words):
-    one_thread = ["--threads", "1"] if json.loads(subprocess.check_output([tools / name, "--describe"]))["threads"] else []
-    subprocess.run([str(tools / name), *map(str, words), "--quiet", *one_thread], check=True)
+def material(exponent):
+    return phase("a", 1, (K, exponent))
 
 
-def brick(packing):
-    path = options.folder / f"brick-{size}-{packing}.h5"
-    if not path.exists():
-        tool("packgen", path, "--particles", size, "--density", 0.64, "--random-seed", packing)
-    return path
+def rest(size, packing, exponent, lateral="free"):
+    return bench.relaxed(bench.brick(size, packing), material(exponent), f"M{exponent:g}", lateral)
 
 
-def run(name, sample, text):
-    """The curves of a run, done if it is not there: strain (positive along the load), true stress in MPa, error, heat."""
-    scene, result = options.folder / f"{name}.toml", options.folder / f"{name}.h5"
-    scene.write_text(text)
-    if not result.exists():
-        tool("solve", sample, scene, result, "--json", options.folder / f"{name}.json", "--checkpoint-every", 0)
-    with h5py.File(result) as file:
-        get = lambda key: file[f"observables/{key}/value"][:]
-        sign = np.sign(get("strain")[-1])
-        return {"strain": sign * get("strain"), "stress": sign * get("stress_true") / 1e6,
-                "error": get("equilibrium_error"), "file": result,
-                "summary": json.loads((options.folder / f"{name}.json").read_text())}
+def load(sign, end=END, rate=RATE, **more):
+    return Load(((sign * end, rate),), options.scheme, **more)
 
 
-def mean(curve, at, half=WINDOW, key="stress"):
-    return curve[key][np.abs(curve["strain"] - at) <= half].mean()
+def packings(count):
+    return range(1, count + 1)
 
 
-def volume(curve, at):
-    table = curve["file"].with_suffix(".volume.csv")
-    if not table.exists():
-        tool("volume_change", curve["file"], table)
-    with open(table) as file:
-        rows = list(csv.DictReader(file))
-    strains = [abs(float(row["strain [-]"])) for row in rows]
-    return float(np.interp(at, strains, [float(row["volume_change [-]"]) for row in rows]))
-
-
-def keep(key, values):
-    numbers[key] = {"mean": float(np.mean(values)), "spread": float(np.std(values, ddof=1)) if len(values) > 1 else 0.0,
-                    "values": [float(value) for value in values]}
-    return numbers[key]
-
-
-def pm(values, form):
-    found = f"{np.mean(values):{form}}"
-    return found + (f" ± {np.std(values, ddof=1):{form.lstrip('+')}}" if len(values) > 1 else "")
-
-
-def table(title, *columns):
-    lines.extend(["", title, "", "| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)])
-
-
-def row(*cells):
-    lines.append("| " + " | ".join(cells) + " |")
-
-
-def load(strain, rate, accuracy=""):
-    return f"[load]\nsteps = [ {{ strain = {strain}, rate = {rate:g} }} ]\n[accuracy]\nscheme = \"explicit\"\nframes = 6\n{accuracy}"
-
-
-def draw(curves):
-    """Stress over K rate^M against strain of every exponent at the fastest rate, all packings."""
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), sharey=True, layout="constrained")
-    for axis, direction in zip(axes, ("compression", "tension")):
-        for k, exponent in enumerate(options.exponents):
-            for packing in packings:
-                curve = curves[exponent, direction, packing]
-                axis.plot(curve["strain"][1:], curve["stress"][1:] / (K * options.rates[0]**exponent), color=f"C{k}", lw=0.8,
-                          label=f"M = {exponent:g}" if packing == 1 else None)
-        axis.axhline(1, color="black", lw=0.5)
-        axis.set(title=direction, xlabel="true strain", ylim=(0, 1.4))
-    axes[0].set_ylabel("true stress over K rate$^M$")
-    axes[0].legend()
-    figure.savefig(options.folder / "curves.png", dpi=130)
+def stress_rows(title, key, cases, flow_stress, limits):
+    """A table of the stresses of runs over flow_stress(M). `cases` gives (particles, M, load, runs); `limits` the bound of
+    each load's claim. @return stresses by (particles, M, load, kind, strain), one a packing"""
+    found = {}
+    volume = "box" if key == "uniform" else "alpha shape; inside"
+    bench.table(title, "particles", "M", "load", "stress of", *(f"at {strain:g}" for strain in STRAINS),
+                f"volume at 0.5: {volume}", "smallest section over the mean at 0.3, 0.5", "evaluations to 0.3", "user CPU [s]")
+    for size, exponent, direction, runs in cases:
+        necks = {strain: np.mean([run.neck(strain) for run in runs]) for strain in STRAINS}
+        volumes = {"box": [run.box_volume(0.5) for run in runs]} if key == "uniform" else dict(
+            zip(("alpha shape", "inside"), np.transpose([bench.volume(run, 0.5) for run in runs])))
+        for name, values in volumes.items():
+            bench.keep(f"{key} {size} {exponent:g} {direction} volume, {name}", values)
+            bench.claim(f"{key}: volume, {name}, {direction}", 0.01 if direction == "compression" else 0.02,
+                        f"{size}, M = {exponent:g}", np.mean(values))
+        for kind in runs[0].stress:
+            for strain in STRAINS:
+                ratio = [run.at(strain, kind) / flow_stress(exponent) for run in runs]
+                found[size, exponent, direction, kind, strain] = bench.keep(
+                    f"{key} {size} {exponent:g} {direction} {kind} {strain:g}", ratio)
+                if strain in CLAIMED and (direction == "compression" or necks[strain] > NECK):
+                    bench.claim(f"{key}: stress of {kind}, {direction}", limits[direction],
+                                f"{size}, M = {exponent:g}, strain {strain:g}", np.mean(ratio) - 1)
+            bench.row(size, f"{exponent:g}", direction, kind,
+                      *(pm(found[size, exponent, direction, kind, strain]) for strain in STRAINS),
+                      "; ".join(percent(values) for values in volumes.values()), f"{necks[0.3]:.2f}, {necks[0.5]:.2f}",
+                      pm([run.evaluations_to(0.3) for run in runs], ".0f"),
+                      pm([run.summary["user_seconds"] for run in runs], ".1f"))
+    return found
 
 
 def one():
     every = {}
-    table(f"One phase, {size} particles: stress over K rate^M at strain 0.3, constants of 1e-3 /s at every rate", "M", "load",
-          *(f"{rate:g} /s" for rate in options.rates), "M fitted", "at 0.15, 0.5 (fastest)", "volume at 0.5, fastest, slowest",
-          "equilibrium error", "steps to 0.3")
-    for exponent in options.exponents:
-        curves = {}
-        for direction, sign in (("compression", -1), ("tension", 1)):
-            for rate in options.rates:
-                for packing in packings:
-                    curves[direction, rate, packing] = run(
-                        f"one-{size}-{packing}-{exponent:g}-{rate:g}-{direction}", brick(packing),
-                        phase("a", 1, (K, exponent)) + load(sign * 0.55, rate, f"reference_rate = {RATES[0]:g}\n"))
-                    if rate == options.rates[0]:
-                        every[exponent, direction, packing] = curves[direction, rate, packing]
-            ratio = {rate: [mean(curves[direction, rate, p], 0.3) / (K * rate**exponent) for p in packings]
-                     for rate in options.rates}
-            fits = [np.polyfit(np.log(options.rates), [np.log(ratio[rate][p - 1] * rate**exponent) for rate in options.rates], 1)[0]
-                    for p in packings] if len(options.rates) > 1 else [math.nan]
-            key = f"{exponent:g} {direction}"
-            for rate in options.rates:
-                keep(f"{key} {rate:g} ratio", ratio[rate])
-            keep(f"{key} M", fits)
-            fast, slow = options.rates[0], options.rates[-1]
-            volumes = {rate: [volume(curves[direction, rate, p], 0.5) for p in packings] for rate in (fast, slow)}
-            keep(f"{key} fast volume", volumes[fast])
-            keep(f"{key} slow volume", volumes[slow])
-            others = [np.mean([mean(curves[direction, fast, p], at) for p in packings]) / (K * fast**exponent) for at in (0.15, 0.5)]
-            errors = [mean(curves[direction, fast, p], 0.3, key="error") for p in packings]
-            summary = curves[direction, fast, 1]["summary"]
-            row(f"{exponent:g}", direction, *(pm(ratio[rate], ".3f") for rate in options.rates), pm(fits, ".3f"),
-                f"{others[0]:.3f}, {others[1]:.3f}",
-                ", ".join(f"{100 * np.mean(volumes[rate]):+.1f} %" for rate in (fast, slow)), f"{np.mean(errors):.2%}",
-                f"{0.3 / (fast * summary['time_step']):.0f}")
-        for rate in options.rates:
-            keep(f"{exponent:g} {rate:g} T/C", [mean(curves["tension", rate, p], 0.3) / mean(curves["compression", rate, p], 0.3)
-                                              for p in packings])
-        print("\n".join(lines[-2:]), flush=True)
+
+    def cases():
+        for size, count in options.samples:
+            for exponent in options.exponents:
+                for direction, sign in LOADS.items():
+                    runs = [bench.run(rest(size, p, exponent), material(exponent), direction, load(sign))
+                            for p in packings(count)]
+                    every[size, exponent, direction] = runs
+                    yield size, exponent, direction, runs
+
+    found = stress_rows("One phase: stress over K rate^M", "one", cases(), lambda exponent: K * RATE**exponent,
+                        {"compression": 0.015, "tension": 0.03})
+    largest = max(options.samples)[0]
+    if len(options.samples) > 1:
+        bench.table(f"Number of particles: mean stress over that of {largest}", "particles", "M", "load", "stress of",
+                    *(f"at {strain:g}" for strain in STRAINS))
+        for size, exponent, direction in every:
+            if size == largest:
+                continue
+            for kind in every[size, exponent, direction][0].stress:
+                change = {strain: np.mean(found[size, exponent, direction, kind, strain])
+                          / np.mean(found[largest, exponent, direction, kind, strain]) - 1 for strain in STRAINS}
+                bench.row(size, f"{exponent:g}", direction, kind, *(percent([change[strain]], "+.2f") for strain in STRAINS))
+                for strain in CLAIMED if direction == "compression" else CLAIMED[:3]:
+                    bench.claim(f"one: number of particles, stress of {kind}, {direction}", 0.01,
+                                f"{size}, M = {exponent:g}, strain {strain:g}", change[strain])
     draw(every)
 
 
+def draw(every):
+    """Stress over K rate^M against strain, of the first packing: a row of pictures a size, dashed where it is the virial."""
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    sizes = [size for size, _ in options.samples]
+    figure, axes = plt.subplots(len(sizes), 2, figsize=(9, 3.2 * len(sizes)), sharex=True, sharey=True, squeeze=False,
+                                layout="constrained")
+    for (size, exponent, direction), runs in every.items():
+        axis = axes[sizes.index(size), list(LOADS).index(direction)]
+        colour = f"C{options.exponents.index(exponent)}"
+        for kind, stress in runs[0].stress.items():
+            axis.plot(runs[0].strain[1:], stress[1:] / (K * RATE**exponent), color=colour, lw=0.9,
+                      ls="-" if kind == "planes" else "--", label=f"M = {exponent:g}" if kind == "planes" else None)
+        axis.set_title(f"{direction}, {size} particles", fontsize=9)
+    for axis in axes.flat:
+        axis.axhspan(0.985, 1.015, color="0.9", zorder=0)
+        axis.set(ylim=(0.8, 1.2), xlim=(0, END))
+    for axis in axes[-1]:
+        axis.set_xlabel("true strain")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("stress over K rate$^M$")
+    axes[0, 0].legend(fontsize=7, ncols=2)
+    figure.savefig(options.folder / "curves.png", dpi=130)
+
+
+def fit():
+    size, count = small
+    strain = 0.3
+    bench.table(f"M fitted, {size} particles: stress over K rate^M at {strain:g} with the elastic constants of "
+                f"{options.rates[0]:g} /s", "M", "load", "stress of", *(f"{rate:g} /s" for rate in options.rates), "M fitted",
+                "less M")
+    for exponent in options.exponents:
+        for direction, sign in LOADS.items():
+            runs = {(rate, p): bench.run(rest(size, p, exponent), material(exponent), f"{direction}-{rate:g}",
+                                         load(sign, strain + 0.02, rate, accuracy=f"reference_rate = {options.rates[0]:g}\n"))
+                    for rate in options.rates for p in packings(count)}
+            for kind in runs[options.rates[0], 1].stress:
+                stress = np.array([[runs[rate, p].at(strain, kind) for p in packings(count)] for rate in options.rates])
+                fitted = bench.keep(f"fit {exponent:g} {direction} {kind}",
+                                    [np.polyfit(np.log(options.rates), np.log(column), 1)[0] for column in stress.T])
+                bench.row(f"{exponent:g}", direction, kind,
+                          *(pm(line / (K * rate**exponent)) for line, rate in zip(stress, options.rates)), pm(fitted, ".4f"),
+                          pm(fitted - exponent, "+.4f"))
+                bench.claim(f"fit: M fitted from {kind}, {direction}", 0.01, f"M = {exponent:g}", np.mean(fitted) - exponent)
+
+
 def jump():
-    table(f"Rate times 3 at strain 0.2, {size} particles: log3 of the stress over 0.31 to 0.36 against the run without jump, "
-          "constants and mass of the fast rate in both", "M", "answered with")
-    for exponent in options.exponents:
-        answers = []
-        for packing in packings:
-            text = phase("a", 1, (K, exponent))
-            accuracy = "[accuracy]\nscheme = \"explicit\"\nframes = 1\ninertia_share = 0.003\nreference_rate = 3e-3\n"
-            steps = ["{ strain = -0.2, rate = 1e-3 }, { strain = -0.37, rate = 3e-3 }",
-                     "{ strain = -0.37, rate = 1e-3 }, { strain = -0.371, rate = 3e-3 }"]
-            with_jump, without = (run(f"jump-{size}-{packing}-{exponent:g}-{k}", brick(packing),
-                                      f"{text}[load]\nsteps = [ {one} ]\n{accuracy}") for k, one in enumerate(steps))
-            answers.append(math.log(mean(with_jump, 0.335, 0.025) / mean(without, 0.335, 0.025)) / math.log(3))
-        keep(f"{exponent:g} jump", answers)
-        row(f"{exponent:g}", pm(answers, ".3f"))
-        print(lines[-1], flush=True)
+    size, count = small
+    at, after = 0.2, (0.01, 0.02, 0.05)
+    accuracy = "averaging_strain = 0.001\n" if options.scheme == "explicit" else ""
+    bench.table(f"The rate jumps to {RATE:g} /s at strain {at:g}, {size} particles, compression: stress over that of the run "
+                "at that rate all along, constants of the faster rate in both", "new rate over old", "M", "stress of",
+                *(f"{more:g} later" for more in after))
+    for factor in options.jumps:
+        old, end = RATE / factor, at + after[-1] + 0.01
+        fast = max(RATE, old)
+        constants = accuracy + f"reference_rate = {fast:g}\n"
+        for exponent in options.exponents:
+            pairs = [[bench.run(rest(size, p, exponent), material(exponent), name,
+                                Load(steps, options.scheme, accuracy=constants))
+                      for name, steps in ((f"jump-{factor:g}", ((-at, old), (-end, RATE))),
+                                          (f"steady-{fast:g}", ((-end, RATE),)))]
+                     for p in packings(count)]
+            for kind in pairs[0][0].stress:
+                ratio = {more: bench.keep(f"jump {factor:g} {exponent:g} {kind} {more:g}",
+                                          [first.at(at + more, kind, 0.002) / second.at(at + more, kind, 0.002)
+                                           for first, second in pairs]) for more in after}
+                bench.row(f"{factor:g}", f"{exponent:g}", kind, *(pm(ratio[more]) for more in after))
+                for more in after:
+                    bench.claim(f"jump: rate times {factor:g}, stress of {kind} {more:g} later", 0.02, f"M = {exponent:g}",
+                                np.mean(ratio[more]) - 1)
 
 
-def step():
-    table(f"Half the time step, {size} particles, one packing: stress at 0.3", "M", "change")
-    for exponent in options.exponents:
-        text = phase("a", 1, (K, exponent))
-        whole = run(f"step-{size}-{exponent:g}-1", brick(1), text + load(-0.36, 1e-3))
-        half = run(f"step-{size}-{exponent:g}-2", brick(1),
-                   text + load(-0.36, 1e-3, f"time_step = {whole['summary']['time_step'] / 2:.12g}\n"))
-        change = mean(half, 0.3) / mean(whole, 0.3) - 1
-        keep(f"{exponent:g} half", [change])
-        row(f"{exponent:g}", f"{change:+.3%}")
-        print(lines[-1], flush=True)
+def uniform():
+    def cases():
+        for size, count in options.samples:
+            for exponent in options.exponents:
+                for direction, sign in LOADS.items():
+                    yield size, exponent, direction, [
+                        bench.run(rest(size, p, exponent, "periodic"), material(exponent), direction,
+                                  load(sign, lateral="periodic")) for p in packings(count)]
+
+    stress_rows("Uniform flow, sides periodic without stress: stress over K rate^M", "uniform", cases(),
+                lambda exponent: K * RATE**exponent, {direction: 0.005 for direction in LOADS})
 
 
-def labelled(packing, case):
-    """The brick with phase B (label 2) where the case has it."""
-    path = options.folder / f"{case}-{size}-{packing}.h5"
-    if path.exists():
-        return path
-    shutil.copy(brick(packing), path)
-    samples.label(path, case)
-    return path
+def isochoric():
+    bench.table("Uniform flow at constant volume: stress along the load less that across, over K rate^M", "particles", "M",
+                "load", *(f"at {strain:g}" for strain in STRAINS))
+    for size, count in options.samples:
+        for exponent in options.exponents:
+            for direction, sign in LOADS.items():
+                curves = [bench.run(rest(size, p, exponent, "isochoric"), material(exponent), direction,
+                                    load(sign, lateral="isochoric", frames=52, particle_stress=True)).deviator()
+                          for p in packings(count)]
+                found = {strain: bench.keep(f"isochoric {size} {exponent:g} {direction} {strain:g}",
+                                            [np.interp(strain, *curve, right=np.nan) / (K * RATE**exponent)
+                                             for curve in curves]) for strain in STRAINS}
+                bench.row(size, f"{exponent:g}", direction, *(pm(found[strain]) for strain in STRAINS))
+                for strain in CLAIMED:
+                    bench.claim(f"isochoric: stress, {direction}", 0.005, f"{size}, M = {exponent:g}, strain {strain:g}",
+                                np.mean(found[strain]) - 1)
 
 
-def two():
-    table(f"Two phases at strain 0.3, {size} particles, the same packings", "case", "rate [1/s]", "law",
-          "engineering stress [MPa]", "finite elements", "difference", "S_f", "finite elements", "difference")
-    for case in ("parallel", "series", "inclusion"):
-        for rate in options.two_rates:
-            power = {1e-3: "1e-3", 1e-4: "1e-4", 2.15e-4: "2.15e-4", 4.64e-4: "4.64e-4"}[rate]
-            suffix = "" if case == "inclusion" else "_fB0.5"
-            wanted = samples.reference(options.fem, f"{case}_stress_strain_rate{power}{suffix}.csv", 0.3) if options.fem else math.nan
-            for law in options.laws:
-                both = (phase("a", 1, PHASES["A"]) + phase("b", 2, PHASES["B"])).replace('"norton"', f'"{law}"')
-                curves = [run(f"two-{law}-{case}-{size}-{p}-{rate:g}", labelled(p, case), both + load(-0.32, rate))
-                          for p in packings]
-                stresses = [mean(curve, 0.3, 0.02) * math.exp(0.3) for curve in curves]
-                key = f"{law} {case} {rate:g}"
-                keep(f"{key} stress", [value / wanted - 1 for value in stresses])
-                cells = ["-"] * 3
-                if case == "inclusion":
-                    shapes = [samples.shape(curve["file"], curve["strain"][-1], 0.3) for curve in curves]
-                    true = samples.reference(options.fem, f"inclusion_shape_factor_rate{power}.csv", 0.3) if options.fem else math.nan
-                    keep(f"{key} shape", [value / true - 1 for value in shapes])
-                    cells = [pm(shapes, ".3f"), f"{true:.3f}", f"{np.mean(shapes) / true - 1:+.1%}"]
-                row(case, f"{rate:g}", law.upper(), pm(stresses, ".1f"), f"{wanted:.1f}",
-                    f"{np.mean(stresses) / wanted - 1:+.1%}", *cells)
-                print(lines[-1], flush=True)
+def plane():
+    def cases():
+        for size, count in options.samples:
+            for exponent in options.exponents:
+                yield size, exponent, "compression", [
+                    bench.run(sample, material(exponent), "plane-strain", load(-1, walls=side_walls(sample)))
+                    for sample in (rest(size, p, exponent) for p in packings(count))]
+
+    stress_rows("Plane strain: stress over (2/sqrt(3))^(1+M) K rate^M", "plane", cases(),
+                lambda exponent: K * RATE**exponent * (2 / np.sqrt(3))**(1 + exponent), {"compression": 0.02})
+
+
+def side_walls(sample):
+    """Two walls across x at the sides of a sample, as a scene has them; their surfaces are written beside it."""
+    with h5py.File(sample) as file:
+        points, radius = file["particles/all/position/value"][0], file["particles/all"].attrs["seed_radius"]
+    low, high = points.min(axis=0), points.max(axis=0)
+    reach = 2 * (high - low).max()  # the sample spreads along y
+    gap = 0.52 * radius  # solve refuses a wall within half a seed radius
+    walls = ""
+    for name, x in (("left", low[0] - gap), ("right", high[0] + gap)):
+        y, z = ([low[k] - reach, high[k] + reach] for k in (1, 2))
+        corners = [(x, y[0], z[0]), (x, y[1], z[0]), (x, y[1], z[1]), (x, y[0], z[1])]
+        faces = ((corners[0], corners[1], corners[2]), (corners[0], corners[2], corners[3]))
+        surface = sample.with_name(f"{sample.stem}-{name}.stl")
+        surface.write_text("solid side\n" + "".join(
+            "facet normal 1 0 0\nouter loop\n" + "".join("vertex {:.9g} {:.9g} {:.9g}\n".format(*point) for point in face)
+            + "endloop\nendfacet\n" for face in faces) + "endsolid side\n")
+        walls += f'[[wall]]\nname = "{name}"\nsurface = "{surface.name}"\nunit = "mm"\n'
+    return walls
 
 
 for part in options.parts:
-    {"one": one, "jump": jump, "step": step, "two": two}[part]()
-text = "\n".join(lines).lstrip()
-print("\n" + text)
-(options.folder / "tables.md").write_text(text + "\n")
-(options.folder / "tables.json").write_text(json.dumps(numbers, indent=1))
+    {"one": one, "fit": fit, "jump": jump, "uniform": uniform, "isochoric": isochoric, "plane": plane}[part]()
+bench.write("tables")
