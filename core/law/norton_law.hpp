@@ -40,7 +40,10 @@ struct Norton {
     double seed_diameter = 1;  ///< d [mm]
     double min_rate = 0;       ///< [1/s]: the viscosity does not grow below it
     double flow_rate = 0;      ///< [1/s] of the load
-    bool at_rest = false;      ///< while a sample comes to rest the viscosity is that of flow_rate everywhere
+    /// The elastic parts are those of the load's present rate, K rate^M, not of one rate: a jump of it leaves the sample
+    /// in balance.
+    bool strength_follows = false;
+    bool at_rest = false;  ///< while a sample comes to rest the viscosity is that of flow_rate everywhere
     std::vector<NortonMaterial> materials;  ///< by type, from 0
 };
 

@@ -88,7 +88,7 @@ void FlowForces::find_fabric() {
     const double d = law_.seed_diameter;
     for (int i = 0; i < local_count_; ++i) {
         const Sums& sums = sums_[i];
-        const law::NortonMaterial& material = law_.materials[type_[i]];
+        const double strength = strengths_[type_[i]];
         const double diagonal[3] = {sums.moment[0][0], sums.moment[0][1], sums.moment[0][2]};
         const double mixed[3] = {sums.moment[1][0], sums.moment[1][1], sums.moment[1][2]};
         const double floor = law::norton_fabric_floor(d, diagonal, mixed);
@@ -105,12 +105,12 @@ void FlowForces::find_fabric() {
         const double outside = fabrics_[i].outward[3] / (C::inside * C::inside);
         const double inside = std::max(0.0, 1 - outside * outside);
         const double density = sums.moment[0][3] + C::surface * (length - C::smoothing);
-        const double pressure = C::pressure * d * d * material.strength * (density / C::rest_density - 1) +
-                                C::background * d * d * material.strength * inside;
+        const double pressure = C::pressure * d * d * strength * (density / C::rest_density - 1) +
+                                C::background * d * d * strength * inside;
         Fabric& fabric = fabrics_[i];
         fabric.inverse[0] = Four{inverse[0], inverse[3], inverse[5], static_cast<float>(pressure)};
         fabric.inverse[1] = Four{inverse[3], inverse[1], inverse[4], 0};
-        fabric.inverse[2] = Four{inverse[5], inverse[4], inverse[2], static_cast<float>(material.strength)};
+        fabric.inverse[2] = Four{inverse[5], inverse[4], inverse[2], static_cast<float>(strength)};
         fabric.outward = with_fourth(sums.outward / static_cast<float>(length), static_cast<float>(inside));
     }
 }
@@ -511,8 +511,16 @@ float FlowForces::film_damping(int type) const {
                               std::pow(rate_, material.rate_sensitivity - 1));
 }
 
-void FlowForces::set_walls(const std::vector<NearWall>& walls, double rate) {
+void FlowForces::set_rate(double rate) {
     rate_ = rate;
+    strengths_.clear();
+    for (const law::NortonMaterial& material : law_.materials)
+        strengths_.push_back(material.strength * (law_.strength_follows
+                                                      ? std::pow(rate / law_.flow_rate, material.rate_sensitivity)
+                                                      : 1));
+}
+
+void FlowForces::set_walls(const std::vector<NearWall>& walls) {
     const double d = law_.seed_diameter;
     films_.clear();
     film_of_.assign(static_cast<std::size_t>(count_), -1);
@@ -616,7 +624,7 @@ void FlowForces::add_to_tractions(const FilmBalance& films) {
 
 /// Of the repulsion behind the face.
 float FlowForces::film_stiffness(int type, double depth) const {
-    return depth < 0 ? static_cast<float>(C::core_stiffness * law_.seed_diameter * law_.materials[type].strength) : 0;
+    return depth < 0 ? static_cast<float>(C::core_stiffness * law_.seed_diameter * strengths_[type]) : 0;
 }
 
 void FlowForces::add_pair_forces(const Four* velocity) {

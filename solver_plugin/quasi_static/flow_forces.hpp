@@ -24,11 +24,13 @@ class FlowForces {
 
     void set_law(const law::Norton& law) {
         law_ = law;
-        rate_ = law.flow_rate;
+        set_rate(law.flow_rate);
     }
     const law::Norton& law() const { return law_; }
     void set_carry(Carry carry) { carry_ = std::move(carry); }
 
+    /// Of the load now, which films and elastic parts go by; before place() [1/s].
+    void set_rate(double rate);
     /// Skin of the pairs, for particles that move little from one place() to the next [mm].
     void set_skin(double skin) { pairs_.set_skin(skin); }
     /// Pairs, fabric and pressure where the particles are now; after it comes correct().
@@ -36,11 +38,8 @@ class FlowForces {
     void place(const ParticleView& particles, bool renumbered = true);
     /// How long the particles will move with the velocities that are sought [s].
     void set_interval(double interval) { interval_ = static_cast<float>(interval); }
-    /// Of the load, which the film between sample and wall goes by [1/s].
-    void set_rate(double rate) { rate_ = rate; }
     /// The walls near the particles.
-    /// @param rate  as set_rate()
-    void set_walls(const std::vector<NearWall>& walls, double rate);
+    void set_walls(const std::vector<NearWall>& walls);
     /// What goes by the flow but is not found anew with every velocity: the weights of pairs of two phases, and what is
     /// taken from the tractions (docs/norton.md).
     /// @param velocity  about as they will be, ghosts included
@@ -169,6 +168,7 @@ class FlowForces {
     std::vector<Film> films_;
     std::vector<std::int32_t> film_of_;  ///< a film of each particle, or -1
     double rate_ = 0;                    ///< of the load now [1/s]
+    std::vector<double> strengths_;      ///< by material, at that rate [Pa]
     /// Of each particle: columns of what is taken from its traction.
     struct Correction {
         Four column[3];

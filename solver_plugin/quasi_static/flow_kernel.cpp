@@ -10,7 +10,7 @@ FlowKernel::FlowKernel() {
 }
 
 /// By the highest rate of the load, a sample would slip where it flows slowly and M is small.
-double FlowKernel::film_rate(double start) const {
+double FlowKernel::load_rate(double start) const {
     const double rate = law().at_rest ? 0 : surroundings().rate(start);
     return rate == 0 ? law().flow_rate : rate;
 }

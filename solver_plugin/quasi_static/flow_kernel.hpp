@@ -26,7 +26,7 @@ class FlowKernel : public PairKernel {
  protected:
     const law::Norton& law() const { return forces_.law(); }
     /// Of the load at a time after the present step, by which the film goes [1/s].
-    double film_rate(double start) const;
+    double load_rate(double start) const;
     /// FlowForces::Carry
     void carry(void* first, std::size_t stride, std::size_t size);
 

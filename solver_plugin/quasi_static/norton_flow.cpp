@@ -213,6 +213,7 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
     jump_.assign(count - local, Four{});
     ++work_.steps;
     ++work_.geometries;
+    forces_.set_rate(load_rate(step.start));
     forces_.place(particles);
     take(particles);
     for (int i = 0; i < local_count_; ++i)
@@ -223,7 +224,6 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
             jump_[i - local_count_][c] = static_cast<float>(particles.velocity[3 * i + c]) - velocity_[i][c];
     grid_.lay(particles.position, local_count_, cell * law().seed_diameter, surroundings());
 
-    const double rate = film_rate(step.start);
     bool corrected = false;
     interval_ = step.start < 0 ? -step.start : step.time_step;
     for (;; interval_ /= 2) {
@@ -235,7 +235,7 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
                 net_norm_ / load_norm_, imbalance_));
         forces_.set_interval(interval_);
         walls_ = surroundings().walls(step.start, interval_);
-        forces_.set_walls(walls_, rate);
+        forces_.set_walls(walls_);
         take(particles);
         if (!corrected) {
             find_velocities();

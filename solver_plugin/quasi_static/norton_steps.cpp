@@ -13,12 +13,12 @@ void NortonSteps::set_law(const law::Norton& law, double list_skin) {
 
 void NortonSteps::add_forces(const ParticleView& particles, const NeighbourView&, const PairStep& step, double* forces,
                              ContactMemory*, const UsePair* use) {
+    forces_.set_rate(load_rate(0));
     forces_.place(particles, step.renumbered);
     // One more than there are: a process without particles takes part in every exchange.
     velocity_.resize(static_cast<std::size_t>(particles.count) + 1);
     for (int i = 0; i < particles.count; ++i)
         for (int c = 0; c < 3; ++c) velocity_[i][c] = static_cast<float>(particles.velocity[3 * i + c]);
-    forces_.set_rate(film_rate(0));
     forces_.find_corrected(velocity_.data());
     balance_films(particles, step.time_step);
     for (int i = 0; i < particles.local_count; ++i)

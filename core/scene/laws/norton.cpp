@@ -178,7 +178,9 @@ class NortonLaw final : public Law {
         law.flow_rate = rate;
         law.min_rate = C::rate_floor * scene.lowest_rate();
         const NortonCalibration& calibration = *scene.flow_table().find<NortonCalibration>();
-        const double reference = number_of(scene.law_accuracy, reference_key).value_or(rate);
+        const std::optional<double> given = number_of(scene.law_accuracy, reference_key);
+        const double reference = given.value_or(rate);
+        law.strength_follows = !given;
         double softest = 1e300;
         for (const PhaseModel& phase : model.phases) {
             const Norton& wanted = *scene.phase(phase.label).norton;

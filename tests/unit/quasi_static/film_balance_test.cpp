@@ -76,7 +76,7 @@ TEST_F(FilmBalanceTest, HasTheForcesOfADenseSolutionOfTheEndOfTheStep) {
 
     // The slip that the film of the quasi-static scheme has with each velocity, column by column.
     FlowForces quasi_static = forces;
-    quasi_static.set_walls(walls, rate);
+    quasi_static.set_walls(walls);
     MatrixXd slips(films, numbers);
     for (Eigen::Index column = 0; column < numbers; ++column) {
         std::vector<Four> one(static_cast<std::size_t>(cloud.count()), Four{});

@@ -103,7 +103,7 @@ TEST_P(FlowForcesTest, ChangeByTheProductWhereTheViscosityIsThatOfRest) {
     forces.set_law(law);
     forces.place(cloud.view(GetParam()));
     forces.set_interval(0.01 / rate);
-    forces.set_walls(walls_at(cloud), rate);
+    forces.set_walls(walls_at(cloud));
     forces.correct(cloud.fours().data());
     std::vector<Four> direction = cloud.fours(), none(direction.size(), Four{});
     forces.find(none.data());
@@ -133,7 +133,7 @@ TEST(FlowForcesAtWalls, HaveThePowerOfTheSlipAtTheFace) {
         each->set_carry([](void*, std::size_t, std::size_t) {});
         each->place(cloud.view());
         each->set_interval(0);
-        each->set_walls(each == &alone ? std::vector<NearWall>{} : walls, rate);
+        each->set_walls(each == &alone ? std::vector<NearWall>{} : walls);
         each->find(cloud.fours().data());
     }
     law::NortonReference reference = plugin::reference(cloud, false);
@@ -179,7 +179,7 @@ TEST_P(FlowForcesBlocks, AreTheAnswerOfAParticleToItsOwnVelocity) {
     forces.set_carry([](void*, std::size_t, std::size_t) {});
     forces.place(cloud.view());
     forces.set_interval(GetParam() / rate);
-    forces.set_walls(walls_at(cloud), rate);
+    forces.set_walls(walls_at(cloud));
     forces.find(cloud.fours().data());
     std::vector<FlowForces::Block> blocks;
     forces.prepare_blocks(blocks);
