@@ -1,7 +1,6 @@
 #include "solver_plugin/quasi_static/film_balance.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 namespace tomodem::plugin {
