@@ -104,7 +104,8 @@ void norton_force(const Norton& law, const NortonState& i, const NortonState& j,
     const double across = -C::crown * d / distance * closeness * closeness;
     for (int c = 0; c < 3; ++c) {
         force[c] = (radial - across * lateral) / distance * apart[c] + across * (i.lateral[c] - j.lateral[c]);
-        for (int b = 0; b < 3; ++b) force[c] -= (weight * i.traction[b][c] + (2 - weight) * j.traction[b][c]) * apart[b];
+        for (int b = 0; b < 3; ++b)
+            force[c] -= (weight * i.traction[b][c] + (2 - weight) * j.traction[b][c]) * apart[b];
     }
 }
 

@@ -15,16 +15,17 @@ struct NortonConstants {
     static constexpr double rest_density = 1.08;   ///< rho_0 [-]: a packing of D = 0.64 keeps its volume at rest
     static constexpr double surface = 1.5;         ///< a_n: what a free surface lacks of rho
     static constexpr double smoothing = 0.1;       ///< n_0: |n| is smooth below it
-    static constexpr double fabric_floor = 0.131;  ///< [d^2] of a particle with few neighbours: 0.02 of the mean tr A / 3
-    static constexpr double background = 0.4;      ///< p_b, over strength d^2: keeps clusters from forming where p < 0
-    static constexpr double inside = 0.4;          ///< |n| up to which a particle is not at a surface
-    static constexpr double volume = 0.818;        ///< of a particle [d^3]
-    static constexpr double pair_share = 0.4;      ///< chi: viscosity of what is not in the mean flow, over eta d
-    static constexpr double bulk_viscosity = 2;    ///< over eta
-    static constexpr double rate_floor = 0.1;      ///< of the load's lowest rate: below, the viscosity does not grow
+    static constexpr double fabric_floor =
+        0.131;                                   ///< [d^2] of a particle with few neighbours: 0.02 of the mean tr A / 3
+    static constexpr double background = 0.4;    ///< p_b, over strength d^2: keeps clusters from forming where p < 0
+    static constexpr double inside = 0.4;        ///< |n| up to which a particle is not at a surface
+    static constexpr double volume = 0.818;      ///< of a particle [d^3]
+    static constexpr double pair_share = 0.4;    ///< chi: viscosity of what is not in the mean flow, over eta d
+    static constexpr double bulk_viscosity = 2;  ///< over eta
+    static constexpr double rate_floor = 0.1;    ///< of the load's lowest rate: below, the viscosity does not grow
     static constexpr double most_corrected = 2;  ///< of a stress, over K rate^M: more, and a particle runs away
-    static constexpr double film = 30;          ///< between sample and wall, over strength d / flow_rate
-    static constexpr double film_range = 0.75;  ///< of centres, from the face [d]
+    static constexpr double film = 30;           ///< between sample and wall, over strength d / flow_rate
+    static constexpr double film_range = 0.75;   ///< of centres, from the face [d]
     static constexpr double wall_viscosity =
         1000;  ///< of the film between particle and wall, over strength d / flow_rate
 };
@@ -40,8 +41,8 @@ struct Norton {
     double seed_diameter = 1;  ///< d [mm]
     double min_rate = 0;       ///< [1/s]: the viscosity does not grow below it
     double flow_rate = 0;      ///< [1/s] of the load
-    /// The elastic parts are those of the load's present rate, K rate^M, not of one rate: a jump of it leaves the sample
-    /// in balance.
+    /// The elastic parts are those of the load's present rate, K rate^M, not of one rate: a jump of it leaves the
+    /// sample in balance.
     bool strength_follows = false;
     bool at_rest = false;  ///< while a sample comes to rest the viscosity is that of flow_rate everywhere
     std::vector<NortonMaterial> materials;  ///< by type, from 0
@@ -71,8 +72,8 @@ struct NortonState {
     double strength() const { return traction[2][3]; }
 };
 
-/// What is added to A [mm^2]: 0.131 d^2 / (1 + a^4), a = 3 det A / (sum of the principal 2 x 2 minors) [d^2]: nothing where
-/// a particle has its neighbours, and in flat or lone places as much as keeps A's inverse finite.
+/// What is added to A [mm^2]: 0.131 d^2 / (1 + a^4), a = 3 det A / (sum of the principal 2 x 2 minors) [d^2]: nothing
+/// where a particle has its neighbours, and in flat or lone places as much as keeps A's inverse finite.
 /// @param diagonal  of A; xx, yy, zz
 /// @param off       xy, yz, zx
 double norton_fabric_floor(double diameter, const double* diagonal, const double* off);

@@ -35,8 +35,8 @@ struct LawTraits {
     double strain_per_step = 5e-6;     ///< unless the scene gives it [-]
     double min_steps_per_period = 20;  ///< time steps in a natural period: with fewer particles are lost
     bool carries_tension = false;      ///< a step to a larger strain than the one reached is refused if not
-    bool measures_by_volume = false;  ///< A0 H0 is the volume that was filled, and stress is taken from the pairs too
-    bool planes_pull = false;         ///< faces are placed where planes find enough to hold, and the sample rests there
+    bool measures_by_volume = false;   ///< A0 H0 is the volume that was filled, and stress is taken from the pairs too
+    bool planes_pull = false;  ///< faces are placed where planes find enough to hold, and the sample rests there
     bool starts_with_the_flow = false;  ///< particles are given the velocities of a flow that the planes begin
     bool quasi_static = false;          ///< the velocities at which its forces balance can be found (Scheme)
     bool self_contact = true;           ///< its pairs remember whether two surfaces met there

@@ -35,7 +35,8 @@ class FixSurface : public LAMMPS_NS::Fix {
     /// Particles of this process nearer than `distance` at the present step.
     std::int64_t particles_within(double distance) const;
 
-    /// In that step, sums force times lever (from the centre to where the force acts) of each particle, xx yy zz xy xz yz.
+    /// In that step, sums force times lever (from the centre to where the force acts) of each particle, xx yy zz xy xz
+    /// yz.
     void tally_at(LAMMPS_NS::bigint step) { tally_step_ = step; }
     const std::array<double, 6>& tallied(int i) const { return tally_[static_cast<std::size_t>(i)]; }
     /// zz of that sum in the last step, this process' share [uN mm].

@@ -137,8 +137,8 @@ void CoarseGrid::fill(const std::vector<Material>& materials, const std::vector<
         const std::array<Eigen::Vector3d, 8> slope = slopes(place);
         double at_face[8];
         for (int corner = 0; corner < 8; ++corner)
-            at_face[corner] =
-                weight[corner / 4][corner % 4] - (walls[k].distance - face) * slope[corner].dot(Eigen::Vector3d(walls[k].normal));
+            at_face[corner] = weight[corner / 4][corner % 4] -
+                              (walls[k].distance - face) * slope[corner].dot(Eigen::Vector3d(walls[k].normal));
         for (int one = 0; one < 8; ++one)
             for (int two = 0; two < 8; ++two) {
                 const int way = way_between(one, two);

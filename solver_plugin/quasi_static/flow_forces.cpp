@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-
 namespace tomodem::plugin {
 namespace {
 
@@ -71,8 +70,7 @@ TOMODEM_TWO_PROCESSORS void FlowForces::sum_fabric() {
         own.outward += outward;
     }
     // Where two objects meet, their particles are still at a surface of their own.
-    for (int i = 0; i < local_count_; ++i)
-        fabrics_[i].outward[3] = sum_of_three(sums_[i].outward * sums_[i].outward);
+    for (int i = 0; i < local_count_; ++i) fabrics_[i].outward[3] = sum_of_three(sums_[i].outward * sums_[i].outward);
     // But it is no free surface any more.
     for (const FlowPairs::Pushing& one : pairs_.pushing()) {
         const Geometry pair(one.apart, over_reach);
@@ -340,8 +338,7 @@ void FlowForces::find_pushes() {
         const Geometry pair(one.apart, 1 / reach);
         const Fabric &own = fabrics_[one.particle], &theirs = fabrics_[one.other];
         const float strengths = own.inverse[2][3] + theirs.inverse[2][3], overlap = core - pair.distance;
-        const float pressures =
-            own.inverse[0][3] - background(own) + theirs.inverse[0][3] - background(theirs);
+        const float pressures = own.inverse[0][3] - background(own) + theirs.inverse[0][3] - background(theirs);
         pushes_[k] = {2 * pair.closeness * pressures,
                       4 * pair.closeness * pair.closeness / reach * pressure * strengths,
                       push_rounding * strengths * static_cast<float>(d * d), 0};
@@ -444,9 +441,9 @@ TOMODEM_TWO_PROCESSORS void FlowForces::sum_virials(const Four* velocity) {
             const Fabric& theirs = fabrics_[j];
             const Geometry pair(apart[k], 1 / reach);
             const float their_background = per_strength * theirs.inverse[2][3] * theirs.outward[3];
-            const Four pressed =
-                pressure_force(pair, own.inverse[0][3] + theirs.inverse[0][3],
-                               surface * (own.inverse[0][3] * own.outward - theirs.inverse[0][3] * theirs.outward), reach);
+            const Four pressed = pressure_force(
+                pair, own.inverse[0][3] + theirs.inverse[0][3],
+                surface * (own.inverse[0][3] * own.outward - theirs.inverse[0][3] * theirs.outward), reach);
             const Four backed =
                 pressure_force(pair, own_background + their_background,
                                surface * (own_background * own.outward - their_background * theirs.outward), reach);
@@ -491,7 +488,8 @@ void FlowForces::correct(const Four* velocity) {
         const Four diagonal = sums_[i].moment[0], off = sums_[i].moment[1];
         const Fabric& fabric = fabrics_[i];
         const Four deviator = diagonal - four((sum_of_three(diagonal) - diagonal[3]) / 3);
-        const Four rows[3] = {{deviator[0], off[0], off[2], 0}, {off[0], deviator[1], off[1], 0}, {off[2], off[1], deviator[2], 0}};
+        const Four rows[3] = {
+            {deviator[0], off[0], off[2], 0}, {off[0], deviator[1], off[1], 0}, {off[2], off[1], deviator[2], 0}};
         const Four shear = deviator - four(sum_of_three(deviator) / 3);
         const float stress = std::sqrt(1.5F * sum_of_three(shear * shear) + 3 * sum_of_three(off * off));
         const law::NortonMaterial& material = law_.materials[type_[i]];
@@ -500,7 +498,7 @@ void FlowForces::correct(const Four* velocity) {
         const float share = fabric.outward[3] * std::min(1.0F, most / stress);
         for (int b = 0; b < 3; ++b)
             corrections_[i].column[b] = share * (rows[0] * fabric.inverse[b][0] + rows[1] * fabric.inverse[b][1] +
-                                                             rows[2] * fabric.inverse[b][2]);
+                                                 rows[2] * fabric.inverse[b][2]);
     }
     clear_sums();
 }
@@ -515,9 +513,8 @@ void FlowForces::set_rate(double rate) {
     rate_ = rate;
     strengths_.clear();
     for (const law::NortonMaterial& material : law_.materials)
-        strengths_.push_back(material.strength * (law_.strength_follows
-                                                      ? std::pow(rate / law_.flow_rate, material.rate_sensitivity)
-                                                      : 1));
+        strengths_.push_back(material.strength *
+                             (law_.strength_follows ? std::pow(rate / law_.flow_rate, material.rate_sensitivity) : 1));
 }
 
 void FlowForces::set_walls(const std::vector<NearWall>& walls) {

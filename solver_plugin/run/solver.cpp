@@ -333,8 +333,8 @@ class Pressing {
         const double section = simulation().periodic_section().value_or(initial_section_ * std::exp(-strain()));
         Point measured = measure(strain(), forces.planes, section, initial_section_);
         if (!scene_.steps.empty() && model_.law->traits().measures_by_volume)
-            measured.stress_virial =
-                simulation().axial_virial() / (section * simulation().initial_height() * std::exp(simulation().strain()));
+            measured.stress_virial = simulation().axial_virial() /
+                                     (section * simulation().initial_height() * std::exp(simulation().strain()));
         const std::int64_t evaluations = simulation().evaluations() - evaluations_before;
         evaluations_ += evaluations;
         ++next_;

@@ -38,6 +38,10 @@ constexpr double strain_of_a_period = 0.003;
 /// Strain of a quasi-static step; the planes' way in one over d, where other surfaces meet the particles and anywhere.
 constexpr double quasi_static_strain = 8e-3, contact_way = 0.1, longest_way = 0.35;
 
+/// Strength at reference_rate over the flow stress: beyond it the correction of the tractions, found once a step, lags
+/// behind what it corrects (docs/norton.md).
+constexpr double most_elastic = 10;
+
 /// Force balance that the evaluations were counted at.
 constexpr double usual_imbalance = 1e-2;
 
@@ -254,6 +258,16 @@ class NortonLaw final : public Law {
         if (model.scheme == Scheme::explicit_steps && inertia_share(scene) > large_equilibrium_error)
             reporter.warn(fmt::format("{} = {:g} lets inertia carry that share of the load: take {:g}, the default",
                                       inertia_key, inertia_share(scene), usual_inertia_share));
+        const std::optional<double> reference = number_of(scene.law_accuracy, reference_key);
+        for (const Phase& phase : scene.phases) {
+            if (!reference || !phase.norton) continue;
+            const double ratio = std::pow(*reference / scene.lowest_rate(), phase.norton->rate_sensitivity);
+            if (ratio > most_elastic)
+                reporter.warn(fmt::format(
+                    "{} = {:g} /s makes the elastic parts of phase {} {:.3g} times its flow stress at {:g} /s: beyond "
+                    "{:g} the stress is unreliable; leave {} out, and they follow the load's rate",
+                    reference_key, *reference, phase.name, ratio, scene.lowest_rate(), most_elastic, reference_key));
+        }
     }
 
     /// Quasi-static steps take a whole period each.
@@ -262,8 +276,8 @@ class NortonLaw final : public Law {
         return strain_of_a_period / norton_of(model).flow_rate;
     }
 
-    /// Measured in compressions of 2,000 to 50,000 particles, M = 0.03 to 1, 4e-3 to 8e-3 of strain in a step, balances of
-    /// 1e-3 to 3e-2 (bench/norton/trials.md): neither the number nor M matters. Pulling takes four fifths of it.
+    /// Measured in compressions of 2,000 to 50,000 particles, M = 0.03 to 1, 4e-3 to 8e-3 of strain in a step, balances
+    /// of 1e-3 to 3e-2 (bench/norton/trials.md): neither the number nor M matters. Pulling takes four fifths of it.
     double evaluations(const Model& model, double, double steps) const override {
         if (model.scheme == Scheme::explicit_steps) return steps;
         const double of_a_step = norton_of(model).materials.size() > 1 ? 17.0 : 14.8;
