@@ -67,9 +67,10 @@ void NortonFlow::set_law(const law::Norton& law, double imbalance) {
     imbalance_ = imbalance;
 }
 
-/// The velocities that the particles have brought along: where the search begins.
-void NortonFlow::take(const ParticleView& particles) {
-    for (int i = 0; i < local_count_; ++i) std::copy_n(particles.velocity + 3 * i, 3, found_[i].begin());
+/// The velocities that the particles have brought along, or a share of them.
+void NortonFlow::take(const ParticleView& particles, double share) {
+    for (int i = 0; i < local_count_; ++i)
+        for (int c = 0; c < 3; ++c) found_[i][c] = share * particles.velocity[3 * i + c];
 }
 
 /// velocity_, ghosts included, from found_.
@@ -215,7 +216,7 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
     ++work_.geometries;
     forces_.set_rate(load_rate(step.start));
     forces_.place(particles);
-    take(particles);
+    take(particles, 1);
     for (int i = 0; i < local_count_; ++i)
         for (int c = 0; c < 3; ++c) velocity_[i][c] = static_cast<float>(found_[i][c]);
     carry(velocity_.data(), sizeof(Four), 3 * sizeof(float));
@@ -236,7 +237,9 @@ void NortonFlow::add_forces(const ParticleView& particles, const NeighbourView&,
         forces_.set_interval(interval_);
         walls_ = surroundings().walls(step.start, interval_);
         forces_.set_walls(walls_);
-        take(particles);
+        // While a sample comes to rest, the search begins at half of them: no force stops a part that is torn off, and
+        // it would drift for ever.
+        take(particles, law().at_rest ? 0.5 : 1);
         if (!corrected) {
             find_velocities();
             forces_.correct(velocity_.data());

@@ -28,7 +28,7 @@ class NortonFlow final : public FlowKernel {
     double wall_force(const WallContact& contact) const override { return forces_.wall_force(contact); }
 
  private:
-    void take(const ParticleView& particles);
+    void take(const ParticleView& particles, double share);
     void find_velocities();
     bool balance();
     bool is_balanced() const { return net_norm_ <= imbalance_ * load_norm_; }

@@ -20,6 +20,6 @@ stress = float(last("curve.csv")["abs_stress_true [Pa]"]) / 1e6
 shape = float(last("mean_shape.csv")["shape_factor_weighted [-]"])
 volume = float(last("volume.csv")["volume_change [-]"])
 print(stress, shape, volume)
-assert abs(stress - 104) < 5 and abs(shape - 0.715) < 0.02 and abs(volume + 0.012) < 0.005
+assert abs(stress - 108) < 5 and abs(shape - 0.757) < 0.02 and abs(volume + 0.0226) < 0.005
 END
 }

@@ -35,7 +35,7 @@ for m in ("0.3", "1"):
     stress = run["particles/all/stress/value"][1:].mean(axis=1)
     print(m, stress / stress[0, 2])
     assert (np.abs(stress[:, :2].mean(axis=1)) < 0.02 * np.abs(stress[:, 2])).all()
-    true = run["observables/stress_true/value"][4:]
+    true = run["observables/stress_virial/value"][4:]
     assert np.abs(np.diff(true)).max() < 0.05 * np.abs(true.mean())
 END
 }
