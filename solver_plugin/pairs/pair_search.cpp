@@ -99,6 +99,31 @@ void PairSearch::move(std::int32_t particle, const double* point) {
     }
 }
 
+TOMODEM_TWO_PROCESSORS int PairSearch::search(const Run& run, const float* at, std::int32_t* found, int count) const {
+    const Floats here[3] = {all(at[0]), all(at[1]), all(at[2])};
+    const Floats reach_squared = all(reach_squared_);
+    const float* const coordinate[3] = {run.particles->coordinate[0].data(), run.particles->coordinate[1].data(),
+                                        run.particles->coordinate[2].data()};
+    const std::int32_t* const index = run.particles->index.data();
+    for (int k = run.begin; k < run.end; k += lanes) {
+        Floats squared{};
+        for (int axis = 0; axis < 3; ++axis) {
+            Floats way;
+            std::memcpy(&way, coordinate[axis] + k, sizeof way);
+            way -= here[axis];
+            squared += way * way;
+        }
+        const Ints near = squared < reach_squared;  // -1 or 0
+        // Every one is written, and the next one over it unless it is near.
+        const int behind = std::min(lanes, run.end - k);
+        for (int lane = 0; lane < behind; ++lane) {
+            found[count] = index[k + lane];
+            count -= near[lane];
+        }
+    }
+    return count;
+}
+
 void PairSearch::find_around(const double* point, std::vector<std::int32_t>& found) const {
     float at[3];
     for (int axis = 0; axis < 3; ++axis) at[axis] = static_cast<float>(point[axis] - low_[axis]);
@@ -141,31 +166,6 @@ void PairSearch::enter(int cell) {
             if (ahead) add(local_, local_.start[row - before], local_.start[row + after + 1]);
             add(ghosts_, ghosts_.start[row - before], ghosts_.start[row + after + 1]);
         }
-}
-
-TOMODEM_TWO_PROCESSORS int PairSearch::search(const Run& run, const float* at, std::int32_t* found, int count) const {
-    const Floats here[3] = {all(at[0]), all(at[1]), all(at[2])};
-    const Floats reach_squared = all(reach_squared_);
-    const float* const coordinate[3] = {run.particles->coordinate[0].data(), run.particles->coordinate[1].data(),
-                                        run.particles->coordinate[2].data()};
-    const std::int32_t* const index = run.particles->index.data();
-    for (int k = run.begin; k < run.end; k += lanes) {
-        Floats squared{};
-        for (int axis = 0; axis < 3; ++axis) {
-            Floats way;
-            std::memcpy(&way, coordinate[axis] + k, sizeof way);
-            way -= here[axis];
-            squared += way * way;
-        }
-        const Ints near = squared < reach_squared;  // -1 or 0
-        // Every one is written, and the next one over it unless it is near.
-        const int behind = std::min(lanes, run.end - k);
-        for (int lane = 0; lane < behind; ++lane) {
-            found[count] = index[k + lane];
-            count -= near[lane];
-        }
-    }
-    return count;
 }
 
 int PairSearch::find(int slot, std::int32_t* found) const {

@@ -27,6 +27,37 @@ struct Way {
 
 }  // namespace
 
+TOMODEM_TWO_PROCESSORS void FlowPairs::measure(const ParticleView& particles, double reach) {
+    const double least = min_distance * reach * (min_distance * reach), most = reach * reach;
+    const double* const position = particles.position;
+    rows_.resize(near_rows_.size());
+    other_.resize(near_.size() + 1);
+    apart_.resize(near_.size() + 1);
+    std::int32_t* const other = other_.data();
+    Four* const apart = apart_.data();
+    std::uint32_t count = 0;
+    for (std::size_t row = 0; row + 1 < near_rows_.size(); ++row) {
+        const std::int32_t i = near_rows_[row].particle;
+        rows_[row] = {i, count};
+        for (std::uint32_t k = near_rows_[row].begin; k < near_rows_[row + 1].begin; ++k) {
+            const Way way(position + 3 * static_cast<std::ptrdiff_t>(i),
+                          position + 3 * static_cast<std::ptrdiff_t>(near_[k]));
+            // Every one is written, and the next one over it unless it is in the crown.
+            other[count] = near_[k];
+            apart[count] = way.with_length();
+            count += static_cast<std::uint32_t>(way.squared < most) & static_cast<std::uint32_t>(way.squared >= least);
+        }
+    }
+    rows_.back() = {-1, count};
+    pushing_.clear();
+    for (const Pair& pair : near_pushing_) {
+        const Way way(position + 3 * static_cast<std::ptrdiff_t>(pair.particle),
+                      position + 3 * static_cast<std::ptrdiff_t>(pair.other));
+        if (way.squared < most && way.squared >= least)
+            pushing_.push_back({pair.particle, pair.other, way.with_length()});
+    }
+}
+
 void FlowPairs::find(const ParticleView& particles, double reach, bool renumbered) {
     if (renumbered || reach + skin_ != searched_reach_ || strayed(particles)) search(particles, reach + skin_);
     measure(particles, reach);
@@ -72,37 +103,6 @@ void FlowPairs::search(const ParticleView& particles, double reach) {
         }
     }
     near_rows_.push_back({-1, static_cast<std::uint32_t>(near_.size())});
-}
-
-TOMODEM_TWO_PROCESSORS void FlowPairs::measure(const ParticleView& particles, double reach) {
-    const double least = min_distance * reach * (min_distance * reach), most = reach * reach;
-    const double* const position = particles.position;
-    rows_.resize(near_rows_.size());
-    other_.resize(near_.size() + 1);
-    apart_.resize(near_.size() + 1);
-    std::int32_t* const other = other_.data();
-    Four* const apart = apart_.data();
-    std::uint32_t count = 0;
-    for (std::size_t row = 0; row + 1 < near_rows_.size(); ++row) {
-        const std::int32_t i = near_rows_[row].particle;
-        rows_[row] = {i, count};
-        for (std::uint32_t k = near_rows_[row].begin; k < near_rows_[row + 1].begin; ++k) {
-            const Way way(position + 3 * static_cast<std::ptrdiff_t>(i),
-                          position + 3 * static_cast<std::ptrdiff_t>(near_[k]));
-            // Every one is written, and the next one over it unless it is in the crown.
-            other[count] = near_[k];
-            apart[count] = way.with_length();
-            count += static_cast<std::uint32_t>(way.squared < most) & static_cast<std::uint32_t>(way.squared >= least);
-        }
-    }
-    rows_.back() = {-1, count};
-    pushing_.clear();
-    for (const Pair& pair : near_pushing_) {
-        const Way way(position + 3 * static_cast<std::ptrdiff_t>(pair.particle),
-                      position + 3 * static_cast<std::ptrdiff_t>(pair.other));
-        if (way.squared < most && way.squared >= least)
-            pushing_.push_back({pair.particle, pair.other, way.with_length()});
-    }
 }
 
 }  // namespace tomodem::plugin

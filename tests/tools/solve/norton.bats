@@ -80,7 +80,7 @@ assert stress[np.argmin(strain) - 2] < 0 < stress[-2], "tension after the revers
 END
 }
 
-@test "several processes give the same curve within a hundredth" {
+@test "several processes give the same curve within half a hundredth" {
     make_brick brick.h5
     norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }"
     relax brick.h5 scene.toml sample.h5 --quiet
@@ -88,8 +88,8 @@ END
     mpirun --oversubscribe -np 2 solve sample.h5 scene.toml two.h5 --quiet
     /usr/bin/python3 -c '
 import h5py, numpy as np
-one, two = (h5py.File(f"{name}.h5")["observables/stress_true/value"][:] for name in ("one", "two"))
-assert np.abs(two - one).max() < 0.01 * np.abs(one).max(), np.abs(two / one - 1).max()'
+one, two = (h5py.File(f"{name}.h5")["observables/stress_virial/value"][1:] for name in ("one", "two"))
+assert np.abs(two / one - 1).max() < 0.005, np.abs(two / one - 1).max()'
 }
 
 @test "explain says the scheme, what set the time step, and what the run takes" {
