@@ -9,8 +9,8 @@
 // behind the headers of LIGGGHTS
 #include "solver_plugin/liggghts/laws/script_properties.hpp"
 #include "solver_plugin/liggghts/solver_law.hpp"
-#include "solver_plugin/quasi_static/norton_flow.hpp"
-#include "solver_plugin/quasi_static/norton_steps.hpp"
+#include "solver_plugin/norton/norton_flow.hpp"
+#include "solver_plugin/norton/norton_steps.hpp"
 
 namespace tomodem::plugin {
 namespace {

@@ -1,4 +1,4 @@
-#include "solver_plugin/quasi_static/film_balance.hpp"
+#include "solver_plugin/norton/film_balance.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-#include "solver_plugin/quasi_static/rigid_motion.hpp"
+#include "solver_plugin/norton/rigid_motion.hpp"
 
 #include <Eigen/Dense>
 #include <cmath>

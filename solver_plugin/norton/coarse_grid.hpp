@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "solver_plugin/norton/four.hpp"
 #include "solver_plugin/pairs/pair_kernel.hpp"
-#include "solver_plugin/quasi_static/four.hpp"
 
 namespace tomodem::plugin {
 

@@ -1,11 +1,11 @@
-#include "solver_plugin/quasi_static/coarse_grid.hpp"
+#include "solver_plugin/norton/coarse_grid.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
 
-#include "tests/unit/quasi_static/one_process.hpp"
+#include "tests/unit/norton/one_process.hpp"
 
 namespace tomodem::plugin {
 namespace {

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "solver_plugin/quasi_static/coarse_grid.hpp"
-#include "solver_plugin/quasi_static/flow_kernel.hpp"
-#include "solver_plugin/quasi_static/rigid_motion.hpp"
+#include "solver_plugin/norton/coarse_grid.hpp"
+#include "solver_plugin/norton/flow_kernel.hpp"
+#include "solver_plugin/norton/rigid_motion.hpp"
 
 namespace tomodem::plugin {
 
@@ -52,7 +52,7 @@ class NortonFlow final : public FlowKernel {
     std::vector<Four> net_;                     ///< force on each particle, walls included
     double net_norm_ = 0, load_norm_ = 0;
     std::vector<Four> rest_, step_, direction_, motion_;  ///< of the linear system
-    std::vector<FlowForces::Block> blocks_;               ///< inverses
+    std::vector<FlowBlock> blocks_;                       ///< inverses
     std::vector<double> nodes_;
 };
 

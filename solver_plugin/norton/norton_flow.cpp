@@ -1,4 +1,4 @@
-#include "solver_plugin/quasi_static/norton_flow.hpp"
+#include "solver_plugin/norton/norton_flow.hpp"
 
 #include <fmt/format.h>
 
@@ -44,7 +44,7 @@ double dot(const std::vector<Four>& a, const std::vector<Four>& b, int count) {
 }
 
 /// In place; symmetric and positive.
-void invert(FlowForces::Block& block) {
+void invert(FlowBlock& block) {
     const double xx = block.diagonal[0], yy = block.diagonal[1], zz = block.diagonal[2];
     const double xy = block.off[0], yz = block.off[1], zx = block.off[2];
     const double cofactor[6] = {yy * zz - yz * yz, xx * zz - zx * zx, xx * yy - xy * xy,
@@ -54,7 +54,7 @@ void invert(FlowForces::Block& block) {
     for (int c = 0; c < 3; ++c) block.off[c] = static_cast<float>(cofactor[3 + c] * over);
 }
 
-Four times(const FlowForces::Block& block, Four v) {
+Four times(const FlowBlock& block, Four v) {
     return block.diagonal * v + Four{block.off[0] * v[1] + block.off[2] * v[2],
                                      block.off[0] * v[0] + block.off[1] * v[2],
                                      block.off[2] * v[0] + block.off[1] * v[1], 0};

@@ -2,8 +2,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "solver_plugin/norton/four.hpp"
 #include "solver_plugin/pairs/pair_kernel.hpp"
-#include "solver_plugin/quasi_static/four.hpp"
 
 namespace tomodem::plugin {
 

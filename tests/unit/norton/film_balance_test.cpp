@@ -1,4 +1,4 @@
-#include "solver_plugin/quasi_static/film_balance.hpp"
+#include "solver_plugin/norton/film_balance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "solver_plugin/quasi_static/flow_forces.hpp"
-#include "tests/unit/quasi_static/cloud.hpp"
-#include "tests/unit/quasi_static/one_process.hpp"
+#include "solver_plugin/norton/flow_forces.hpp"
+#include "tests/unit/norton/cloud.hpp"
+#include "tests/unit/norton/one_process.hpp"
 
 namespace tomodem::plugin {
 namespace {

@@ -1,4 +1,4 @@
-#include "solver_plugin/quasi_static/coarse_grid.hpp"
+#include "solver_plugin/norton/coarse_grid.hpp"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>

@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "solver_plugin/quasi_static/film_balance.hpp"
-#include "solver_plugin/quasi_static/flow_kernel.hpp"
+#include "solver_plugin/norton/film_balance.hpp"
+#include "solver_plugin/norton/flow_kernel.hpp"
 
 namespace tomodem::plugin {
 

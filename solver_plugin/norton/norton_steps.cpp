@@ -1,4 +1,4 @@
-#include "solver_plugin/quasi_static/norton_steps.hpp"
+#include "solver_plugin/norton/norton_steps.hpp"
 
 namespace tomodem::plugin {
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <cstddef>
 
+#include "solver_plugin/norton/flow_forces.hpp"
 #include "solver_plugin/pairs/pair_kernel.hpp"
-#include "solver_plugin/quasi_static/flow_forces.hpp"
 
 namespace tomodem::plugin {
 

@@ -1,4 +1,4 @@
-#include "solver_plugin/quasi_static/flow_forces.hpp"
+#include "solver_plugin/norton/flow_forces.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tests/unit/law/norton_reference.hpp"
-#include "tests/unit/quasi_static/cloud.hpp"
+#include "tests/unit/norton/cloud.hpp"
 
 namespace tomodem::plugin {
 namespace {
@@ -181,7 +181,7 @@ TEST_P(FlowForcesBlocks, AreTheAnswerOfAParticleToItsOwnVelocity) {
     forces.set_interval(GetParam() / rate);
     forces.set_walls(walls_at(cloud));
     forces.find(cloud.fours().data());
-    std::vector<FlowForces::Block> blocks;
+    std::vector<FlowBlock> blocks;
     forces.prepare_blocks(blocks);
     for (int i = 0; i < cloud.count(); i += 7) {
         Matrix3d wanted;
@@ -192,7 +192,7 @@ TEST_P(FlowForcesBlocks, AreTheAnswerOfAParticleToItsOwnVelocity) {
             wanted.col(c) = -vector(forces.change()[i]);
         }
         Matrix3d block;
-        const FlowForces::Block& own = blocks[i];
+        const FlowBlock& own = blocks[i];
         block << own.diagonal[0], own.off[0], own.off[2], own.off[0], own.diagonal[1], own.off[1], own.off[2],
             own.off[1], own.diagonal[2];
         EXPECT_LT((block - wanted).norm(), 0.25 * wanted.norm()) << i << "\n" << block << "\n\n" << wanted;

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "solver_plugin/norton/four.hpp"
 #include "solver_plugin/pairs/pair_search.hpp"
 #include "solver_plugin/pairs/particle_view.hpp"
-#include "solver_plugin/quasi_static/four.hpp"
 
 namespace tomodem::plugin {
 

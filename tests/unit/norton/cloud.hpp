@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/law/norton_law.hpp"
+#include "solver_plugin/norton/four.hpp"
 #include "solver_plugin/pairs/pair_kernel.hpp"
-#include "solver_plugin/quasi_static/four.hpp"
 
 namespace tomodem::plugin {
 

@@ -1,4 +1,4 @@
-#include "solver_plugin/quasi_static/flow_pairs.hpp"
+#include "solver_plugin/norton/flow_pairs.hpp"
 
 #include <gtest/gtest.h>
 

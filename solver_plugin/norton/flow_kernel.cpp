@@ -1,4 +1,4 @@
-#include "solver_plugin/quasi_static/flow_kernel.hpp"
+#include "solver_plugin/norton/flow_kernel.hpp"
 
 #include <cstring>
 #include <stdexcept>
