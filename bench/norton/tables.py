@@ -164,6 +164,15 @@ def fit():
                 bench.claim(f"fit: M fitted from {kind}, {direction}", 0.01, f"M = {exponent:g}", np.mean(fitted) - exponent)
 
 
+def ratio_row(cells, key, ratios, claims, bound, where):
+    """A row of ratios that should be 1, over the packings, by what they are at; `claims` names those that are held to
+    the bound."""
+    found = {at: bench.keep(f"{key} {at:g}", values) for at, values in ratios.items()}
+    bench.row(*cells, *map(pm, found.values()))
+    for at, claim in claims.items():
+        bench.claim(claim, bound, f"{where}, at {at:g}", np.mean(found[at]) - 1)
+
+
 def jump():
     size, count = small
     at, after = 0.2, (0.01, 0.02, 0.05)
@@ -182,13 +191,11 @@ def jump():
                                           (f"steady-{fast:g}", ((-end, RATE),)))]
                      for p in packings(count)]
             for kind in pairs[0][0].stress:
-                ratio = {more: bench.keep(f"jump {factor:g} {exponent:g} {kind} {more:g}",
-                                          [first.at(at + more, kind, 0.002) / second.at(at + more, kind, 0.002)
-                                           for first, second in pairs]) for more in after}
-                bench.row(f"{factor:g}", f"{exponent:g}", kind, *(pm(ratio[more]) for more in after))
-                for more in after:
-                    bench.claim(f"jump: rate times {factor:g}, stress of {kind} {more:g} later", 0.02, f"M = {exponent:g}",
-                                np.mean(ratio[more]) - 1)
+                ratio_row((f"{factor:g}", f"{exponent:g}", kind), f"jump {factor:g} {exponent:g} {kind}",
+                          {more: [first.at(at + more, kind, 0.002) / second.at(at + more, kind, 0.002)
+                                  for first, second in pairs] for more in after},
+                          {more: f"jump: rate times {factor:g}, stress of {kind} {more:g} later" for more in after}, 0.02,
+                          f"M = {exponent:g}")
 
 
 def uniform():
@@ -213,13 +220,11 @@ def isochoric():
                 curves = [bench.run(rest(size, p, exponent, "isochoric"), material(exponent), direction,
                                     load(sign, lateral="isochoric", frames=52, particle_stress=True)).deviator()
                           for p in packings(count)]
-                found = {strain: bench.keep(f"isochoric {size} {exponent:g} {direction} {strain:g}",
-                                            [np.interp(strain, *curve, right=np.nan) / (K * RATE**exponent)
-                                             for curve in curves]) for strain in STRAINS}
-                bench.row(size, f"{exponent:g}", direction, *(pm(found[strain]) for strain in STRAINS))
-                for strain in CLAIMED:
-                    bench.claim(f"isochoric: stress, {direction}", 0.005, f"{size}, M = {exponent:g}, strain {strain:g}",
-                                np.mean(found[strain]) - 1)
+                ratio_row((size, f"{exponent:g}", direction), f"isochoric {size} {exponent:g} {direction}",
+                          {strain: [np.interp(strain, *curve, right=np.nan) / (K * RATE**exponent) for curve in curves]
+                           for strain in STRAINS},
+                          {strain: f"isochoric: stress, {direction}" for strain in CLAIMED}, 0.005,
+                          f"{size}, M = {exponent:g}")
 
 
 def plane():
