@@ -61,7 +61,7 @@ double Law::relaxation_time_step(const Model& model) const {
     return model.time_step;
 }
 
-double Law::evaluations(const Model&, double, double steps) const {
+double Law::evaluations(const Model&, double steps) const {
     return steps;
 }
 

@@ -97,7 +97,7 @@ class Law {
     /// Of the steps while a sample comes to rest [s].
     virtual double relaxation_time_step(const Model& model) const;
     /// Computations of all pair forces that so many steps of a load take, from its start: one each, of explicit ones.
-    virtual double evaluations(const Model& model, double particles, double steps) const;
+    virtual double evaluations(const Model& model, double steps) const;
     /// Of the same, a step while a sample comes to rest.
     virtual double evaluations_at_rest(const Model& model) const;
     /// Time steps of one period of a relaxation.

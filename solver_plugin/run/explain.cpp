@@ -83,8 +83,7 @@ Explanation explain(const Packing& sample, const Scene& scene, const Continuatio
     found.time_step = model.time_step;
     found.time_step_reason = model.law->time_step_reason(scene, model);
     for (const LoadSegment& segment : path) found.steps += segment.steps;
-    const double of_load =
-        model.law->evaluations(model, static_cast<double>(sample.size()), static_cast<double>(found.steps));
+    const double of_load = model.law->evaluations(model, static_cast<double>(found.steps));
     const std::int64_t load_steps = found.steps;
     if (!sample.relaxed)
         found.steps += relaxation_steps(model, expected_relaxation_periods(static_cast<std::int64_t>(sample.size())));

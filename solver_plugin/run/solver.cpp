@@ -471,8 +471,7 @@ class Pressing {
         if (seconds < seconds_to_predict_from) return;
         const std::int64_t all = segment_start(segments_.size()) - start_;
         const auto evaluations = [&](std::int64_t steps) {
-            return model_.law->evaluations(model_, static_cast<double>(simulation_->initial_particles()),
-                                           static_cast<double>(steps));
+            return model_.law->evaluations(model_, static_cast<double>(steps));
         };
         const std::int64_t done =
             model_.scheme == Scheme::quasi_static ? evaluations_ - first_evaluation : step() - first_step;

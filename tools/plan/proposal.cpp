@@ -98,14 +98,15 @@ double resolution_of(Quantity quantity, const ImageFeatures& image, bool smalles
 
 /// Of a run, from the rest between its planes on.
 struct Work {
-    std::int64_t steps = 0;
-    double evaluations = 0;
+    std::int64_t steps = 0;       ///< with the rest between the planes
+    double evaluations = 0;       ///< of these steps
+    double load_evaluations = 0;  ///< of the load alone, as solve counts them
 };
 
-Work work_of(const Scene& scene, const Model& model, double particles) {
+Work work_of(const Scene& scene, const Model& model) {
     Work work;
     for (const LoadSegment& segment : load_path(scene, model)) work.steps += segment.steps;
-    work.evaluations = model.law->evaluations(model, particles, static_cast<double>(work.steps));
+    work.load_evaluations = work.evaluations = model.law->evaluations(model, static_cast<double>(work.steps));
     if (!model.law->traits().planes_pull) return work;
     const std::int64_t seating = relaxation_steps(model, seating_periods);
     work.steps += seating;
@@ -186,9 +187,9 @@ class Search {
         const Model model = compile_model(scene, outline(image_, tried.seed_radius));
         tried.particles = particles_of(image_, tried.seed_radius, trade.density);
         tried.time_step = model.time_step;
-        const Work work = work_of(scene, model, tried.particles);
+        const Work work = work_of(scene, model);
         tried.steps = work.steps;
-        if (scene.scheme == Scheme::quasi_static) tried.evaluations = std::llround(work.evaluations);
+        if (scene.scheme == Scheme::quasi_static) tried.evaluations = std::llround(work.load_evaluations);
         tried.flows = expected_flows(scene, std::llround(tried.particles), model);
         const double decades = std::max(0.0, std::log10(scene.highest_rate() / scene.lowest_rate()));
         double misfit = 0;
@@ -402,9 +403,8 @@ std::vector<CoarseStress> coarse_stresses(const ImageFeatures& image, const Scen
     coarse.particles = particles_of(image, coarse.seed_radius, density);
     if (curve != trade->second.curve.end()) try {
             const Model model = compile_model(scene, outline(image, coarse.seed_radius));
-            coarse.cpu_seconds =
-                curve->second.particle_step * coarse.particles * work_of(scene, model, coarse.particles).evaluations +
-                prepare_seconds_of(curve->second, coarse.particles);
+            coarse.cpu_seconds = curve->second.particle_step * coarse.particles * work_of(scene, model).evaluations +
+                                 prepare_seconds_of(curve->second, coarse.particles);
         } catch (const InvalidInput&) {
             // solve says what the scene cannot do; what it would cost is not known then.
         }

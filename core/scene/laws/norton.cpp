@@ -264,7 +264,7 @@ class NortonLaw final : public Law {
             const double ratio = std::pow(*reference / scene.lowest_rate(), phase.norton->rate_sensitivity);
             if (ratio > most_elastic)
                 reporter.warn(fmt::format(
-                    "{} = {:g} /s makes the elastic parts of phase {} {:.3g} times its flow stress at {:g} /s: beyond "
+                    "{} = {:g} /s makes the elastic parts of phase {} {:.0f} times its flow stress at {:g} /s: beyond "
                     "{:g} the stress is unreliable; leave {} out, and they follow the load's rate",
                     reference_key, *reference, phase.name, ratio, scene.lowest_rate(), most_elastic, reference_key));
         }
@@ -276,9 +276,9 @@ class NortonLaw final : public Law {
         return strain_of_a_period / norton_of(model).flow_rate;
     }
 
-    /// Measured in compressions of 2,000 to 50,000 particles, M = 0.03 to 1, 4e-3 to 8e-3 of strain in a step, balances
-    /// of 1e-3 to 3e-2 (bench/norton/trials.md): neither the number nor M matters. Pulling takes four fifths of it.
-    double evaluations(const Model& model, double, double steps) const override {
+    /// Measured in compressions of 2,000 to 50,000 particles, M = 0.03 to 1, 2e-3 to 2e-2 of strain in a step, balances
+    /// of 1e-3 to 3e-2 (docs/norton.md): neither the number nor M matters. Pulling takes four fifths of it.
+    double evaluations(const Model& model, double steps) const override {
         if (model.scheme == Scheme::explicit_steps) return steps;
         const double of_a_step = norton_of(model).materials.size() > 1 ? 17.0 : 14.8;
         return (40 + of_a_step * steps * std::pow(model.strain_per_step / quasi_static_strain, 0.18)) *

@@ -280,7 +280,7 @@ TEST(CompileModel, OfQuasiStaticStepsGoesByTheStrainWhateverTheHeight) {
     // Masses are for energies alone: a tall sample must not be taken for one that moves less.
     EXPECT_LT(other.phases[0].mass, model.phases[0].mass);
     EXPECT_EQ(compile_model(quasi_static(load), column(200)).phases[0].mass, model.phases[0].mass);
-    EXPECT_EQ(other.law->evaluations(other, 2000, 50), 50);
+    EXPECT_EQ(other.law->evaluations(other, 50), 50);
     EXPECT_LT(other.time_step, 1e-2 * model.time_step);
     EXPECT_EQ(other.law->relaxation_time_step(other), other.time_step);
 
@@ -350,7 +350,7 @@ TEST(CompileModel, ForeseesTheEvaluationsOfAQuasiStaticLoadWithinThirtyPercent) 
                             count.accuracy,
                         "test");
         const Model model = compile_model(scene, column(20));
-        EXPECT_NEAR(model.law->evaluations(model, count.particles, count.steps) / count.evaluations, 1, 0.3)
+        EXPECT_NEAR(model.law->evaluations(model, count.steps) / count.evaluations, 1, 0.3)
             << count.exponent << " " << count.particles << " " << count.steps << " " << count.accuracy;
     }
 }
