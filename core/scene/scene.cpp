@@ -404,8 +404,7 @@ double Hardening::factor(double time) const {
 std::string of_explicit_steps(const std::string& key) {
     return fmt::format(
         "{} belongs to explicit steps, and law \"norton\" takes quasi-static ones unless it is told otherwise: add "
-        "scheme = "
-        "\"explicit\" to [accuracy], or remove {}",
+        "scheme = \"explicit\" to [accuracy], or remove {}",
         key, key);
 }
 
