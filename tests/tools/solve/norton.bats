@@ -109,7 +109,8 @@ assert np.abs(two / one - 1).max() < 0.005, np.abs(two / one - 1).max()'
 
 @test "a run keeps the scheme that it began with" {
     make_brick brick.h5
-    norton_scene scene.toml "{ strain = -0.1, rate = 1e-3 }"
+    # Long enough that it is still running when it is killed.
+    norton_scene scene.toml "{ strain = -0.3, rate = 1e-3 }" "" "strain_per_step = 5e-4"
     relax brick.h5 scene.toml sample.h5 --quiet
     solve sample.h5 scene.toml whole.h5 --quiet
     solve sample.h5 scene.toml run.h5 --quiet --checkpoint-every 0.00001 & process=$!
